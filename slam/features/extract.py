@@ -68,7 +68,7 @@ def _points_base(
 
 
 def _sample(depth_m: NDArray[np.float32], pixels: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Depth (N,) at each pixel: the median of the known ones around it, 0 where there is none or where they disagree."""
+    """Depth (N,) at or next to each pixel; 0 where it is unknown or changes too fast to be trusted."""
     x, y = np.rint(pixels).astype(np.int32).T
     patch = np.stack([depth_m[y + dy, x + dx] for dy in (-1, 0, 1) for dx in (-1, 0, 1)])
     patch[patch <= 0] = np.nan
