@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import gtsam
 import numpy as np
@@ -41,6 +42,7 @@ class Optimized:
         root: id held where it was.
         dropped: ids that no links join with the root.
         clamped: number of links whose information had eigenvalues out of bounds.
+        fallback: whether LM took no step and only Ceres' parameters for it found the way.
     """
 
     poses: dict[int, Pose]
@@ -51,6 +53,7 @@ class Optimized:
     root: int
     dropped: tuple[int, ...] = ()
     clamped: int = 0
+    fallback: bool = False
 
 
 def optimize(graph: PoseGraph, params: Params, *, root: int | None = None) -> Optimized:
@@ -74,14 +77,12 @@ def optimize(graph: PoseGraph, params: Params, *, root: int | None = None) -> Op
         return Optimized(dict(graph.poses), 0.0, 0.0, 0, time.perf_counter() - start, root, dropped)
     factors, clamped = _factors(links)
     factors.add(_anchor(root, graph.poses[root]))
-    initial = _values(ids, graph.poses)
-    before = 2.0 * factors.error(initial)
-    final, iterations = _solve(factors, initial, before, params)
-    moved = dict(zip(ids, _matrices(final), strict=True))
+    run = _solve(factors, _values(ids, graph.poses), params)
+    moved = dict(zip(ids, _matrices(run.final), strict=True))
     poses = {i: moved.get(i, T) for i, T in graph.poses.items()}
     poses[root] = graph.poses[root]
-    after = 2.0 * factors.error(final)
-    return Optimized(poses, before, after, iterations, time.perf_counter() - start, root, dropped, clamped)
+    seconds = time.perf_counter() - start
+    return Optimized(poses, run.before, run.after, run.iterations, seconds, root, dropped, clamped, run.fallback)
 
 
 def choose_root(graph: PoseGraph, params: Params, node_id: int) -> int:
@@ -99,34 +100,43 @@ def chi2(links: Sequence[Link], poses: dict[int, Pose]) -> float:
     return float(2.0 * factors.error(_values(ids, poses)))
 
 
-def _solve(
-    factors: gtsam.NonlinearFactorGraph, initial: gtsam.Values, before: float, params: Params
-) -> tuple[gtsam.Values, int]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Run:
+    """One run of the solver: where it ended, chi2 at both ends, iterations, and whether it was the second try."""
+
+    final: gtsam.Values
+    before: float
+    after: float
+    iterations: int
+    fallback: bool
+
+
+def _solve(factors: gtsam.NonlinearFactorGraph, initial: gtsam.Values, params: Params) -> _Run:
     lm = gtsam.LevenbergMarquardtParams()
     lm.setMaxIterations(params.Optimizer.Iterations)
     lm.setRelativeErrorTol(params.Optimizer.Epsilon)
-    final, iterations = _run(factors, initial, lm)
-    if 2.0 * factors.error(final) < before or _at_minimum(factors, initial, before):
-        return final, iterations
-    final, iterations = _run(factors, initial, gtsam.LevenbergMarquardtParams.CeresDefaults())
-    after = 2.0 * factors.error(final)
-    if after < before:
-        return final, iterations
+    run = _run(factors, initial, lm, fallback=False)
+    if run.after < run.before or _at_minimum(factors, initial, run.before):
+        return run
+    run = _run(factors, initial, gtsam.LevenbergMarquardtParams.CeresDefaults(), fallback=True)
+    if run.after < run.before:
+        return run
     raise OptimizationError(
-        f"the optimiser finds no way down from chi2 {before:.6g} (now {after:.6g} after {iterations} iterations, "
-        f"{factors.size() - 1} links); look for links with wrong information"
+        f"the optimiser finds no way down from chi2 {run.before:.6g} ({factors.size() - 1} links, "
+        f"{run.iterations} iterations end at {run.after:.6g}); look for links with wrong information"
     )
 
 
 def _run(
-    factors: gtsam.NonlinearFactorGraph, initial: gtsam.Values, lm: gtsam.LevenbergMarquardtParams
-) -> tuple[gtsam.Values, int]:
+    factors: gtsam.NonlinearFactorGraph, initial: gtsam.Values, lm: gtsam.LevenbergMarquardtParams, *, fallback: bool
+) -> _Run:
     solver = gtsam.LevenbergMarquardtOptimizer(factors, initial, lm)
+    before = 2.0 * solver.error()
     try:
         final = solver.optimize()
     except RuntimeError as error:
         raise OptimizationError(f"GTSAM can't solve {factors.size() - 1} links: {str(error).strip()}") from error
-    return final, int(solver.iterations())
+    return _Run(final, before, 2.0 * solver.error(), int(solver.iterations()), fallback)
 
 
 def _at_minimum(factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, before: float) -> bool:
@@ -140,54 +150,52 @@ def _at_minimum(factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, befor
 
 
 def _factors(links: Sequence[Link]) -> tuple[gtsam.NonlinearFactorGraph, int]:
-    transforms = np.array([link.T_from_to for link in links], dtype=np.float64)
-    information, clamped = _checked_information(links, transforms)
-    transforms = _orthonormal(transforms)
-    factors = gtsam.NonlinearFactorGraph()
-    models: dict[bytes, gtsam.noiseModel.Base] = {}
-    for link, T, matrix in zip(links, transforms, information, strict=True):
-        key = matrix.tobytes()
-        model = models.get(key)
-        if model is None:
-            model = models[key] = gtsam.noiseModel.Gaussian.Information(matrix)
-        factors.add(gtsam.BetweenFactorPose3(link.from_id, link.to_id, gtsam.Pose3(T), model))
+    """Factors of these links, and how many of them had to have their information clamped."""
+    factors, clamped = gtsam.NonlinearFactorGraph(), 0
+    for link in links:
+        factor, was_clamped = _factor(link)
+        factors.add(factor)
+        clamped += was_clamped
     return factors, clamped
 
 
-def _checked_information(links: Sequence[Link], transforms: Array) -> tuple[Array, int]:
-    """Information (N, 6, 6), rotation first, with eigenvalues within bounds, and how many had to be clamped."""
-    stack = np.array([link.information for link in links], dtype=np.float64)
-    finite = np.isfinite(stack).all(axis=(1, 2)) & np.isfinite(transforms).all(axis=(1, 2))
-    if not finite.all():
-        bad = links[int(np.argmin(finite))]
-        raise OptimizationError(f"link {name(bad)}: transform and information must be finite numbers")
-    stack = 0.5 * (stack + stack.transpose(0, 2, 1))[:, _ROTATION_FIRST[:, None], _ROTATION_FIRST]
-    # Gershgorin's circles bound the eigenvalues and spare most links the decomposition.
-    diagonal = np.diagonal(stack, axis1=1, axis2=2)
-    radius = np.abs(stack).sum(axis=2) - np.abs(diagonal)
-    doubtful = np.flatnonzero(
-        ((diagonal - radius) < MIN_INFORMATION).any(axis=1) | ((diagonal + radius) > MAX_INFORMATION).any(axis=1)
-    )
-    clamped = 0
-    for row in doubtful:
-        eigenvalues, vectors = np.linalg.eigh(stack[row])
-        if eigenvalues[0] < MIN_INFORMATION or eigenvalues[-1] > MAX_INFORMATION:
-            stack[row] = (vectors * eigenvalues.clip(MIN_INFORMATION, MAX_INFORMATION)) @ vectors.T
-            clamped += 1
-    return stack, clamped
+@lru_cache(maxsize=1 << 15)
+def _factor(link: Link) -> tuple[gtsam.BetweenFactorPose3, bool]:
+    """The factor of a link, made once: making it costs as much as a solver iteration."""
+    assert link.T_from_to is not None
+    if not (np.isfinite(link.T_from_to).all() and np.isfinite(link.information).all()):
+        raise OptimizationError(f"link {name(link)}: transform and information must be finite numbers")
+    information = 0.5 * (link.information + link.information.T)[_ROTATION_FIRST[:, None], _ROTATION_FIRST]
+    clamped = _out_of_bounds(information)
+    if clamped:
+        eigenvalues, vectors = np.linalg.eigh(information)
+        information = (vectors * eigenvalues.clip(MIN_INFORMATION, MAX_INFORMATION)) @ vectors.T
+    model = gtsam.noiseModel.Gaussian.Information(information)
+    T_from_to = _orthonormal(link.T_from_to)
+    return gtsam.BetweenFactorPose3(link.from_id, link.to_id, gtsam.Pose3(T_from_to), model), clamped
+
+
+def _out_of_bounds(information: Array) -> bool:
+    """Whether an eigenvalue lies outside; Gershgorin's circles spare most links the decomposition."""
+    diagonal = information.diagonal()
+    radius = np.abs(information).sum(axis=1) - np.abs(diagonal)
+    if (diagonal - radius).min() >= MIN_INFORMATION and (diagonal + radius).max() <= MAX_INFORMATION:
+        return False
+    eigenvalues = np.linalg.eigvalsh(information)
+    return bool(eigenvalues[0] < MIN_INFORMATION or eigenvalues[-1] > MAX_INFORMATION)
 
 
 def _orthonormal(T: Array) -> Array:
-    """Rotations of poses (N, 4, 4) made orthonormal to double precision (files store single): one Newton step."""
-    R = T[:, :3, :3]
+    """Poses (..., 4, 4) with rotations orthonormal to double precision (files store single): one Newton step."""
+    R = T[..., :3, :3]
     clean = T.copy()
-    clean[:, :3, :3] = 1.5 * R - 0.5 * R @ R.transpose(0, 2, 1) @ R
+    clean[..., :3, :3] = 1.5 * R - 0.5 * R @ np.swapaxes(R, -1, -2) @ R
     return clean
 
 
 def _anchor(root: int, T_map_base: Pose) -> gtsam.PriorFactorPose3:
     noise = gtsam.noiseModel.Isotropic.Sigma(6, _ANCHOR_SIGMA)
-    return gtsam.PriorFactorPose3(root, gtsam.Pose3(_orthonormal(T_map_base[None])[0]), noise)
+    return gtsam.PriorFactorPose3(root, gtsam.Pose3(_orthonormal(T_map_base)), noise)
 
 
 def _values(ids: Sequence[int], poses: dict[int, Pose]) -> gtsam.Values:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import gtsam
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -161,6 +162,34 @@ def test_wild_information_is_clamped_and_counted() -> None:
     result = optimize(graph, PARAMS)
     assert result.clamped == 1
     assert result.chi2_after < result.chi2_before
+
+
+def steep() -> PoseGraph:
+    """Poses far from where links of extreme information want them: plain LM takes no step and says nothing."""
+    rng, graph = np.random.default_rng(0), PoseGraph()
+    for i in range(1, 101):
+        T = se3_exp(rng.normal(size=6) * [1, 1, 1, 2, 2, 2])
+        graph.add_node(i, 0, T, T)
+    information = np.diag([1e9, 1e9, 1e9, 1e9, 11.0, 1e9])
+    for i in range(1, 100):
+        graph.add_link(Link(i, i + 1, LinkType.NEIGHBOR, se3_exp(rng.normal(size=6)), information))
+    for i in range(1, 60, 2):
+        graph.add_link(Link(i, i + 40, LinkType.GLOBAL_CLOSURE, se3_exp(rng.normal(size=6)), information))
+    return graph
+
+
+def test_where_lm_takes_no_step_ceres_parameters_find_the_way() -> None:
+    result = optimize(steep(), PARAMS)
+    assert result.fallback
+    assert result.chi2_after < 0.1 * result.chi2_before
+    assert not optimize(circles(), PARAMS).fallback
+
+
+def test_when_nothing_helps_the_error_has_the_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    lm = gtsam.LevenbergMarquardtParams
+    monkeypatch.setattr(lm, "CeresDefaults", staticmethod(lm))
+    with pytest.raises(OptimizationError, match=r"no way down from chi2 1\.\d+e\+12 \(129 links, 0 iterations"):
+        optimize(steep(), PARAMS)
 
 
 def test_numbers_that_are_none_are_refused_by_name() -> None:
