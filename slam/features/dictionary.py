@@ -31,6 +31,11 @@ class Dictionary:
         """Ids of the words in RAM, ascending."""
         return sorted(self._rows)
 
+    def descriptors(self, ids: NDArray[np.int32]) -> NDArray[np.uint8]:
+        """Descriptors (N, 32) of words in RAM."""
+        rows = [self._rows[word] for word in ids.tolist()]
+        return self._index.descriptors[rows].view(np.uint8)
+
     def quantize(
         self, descriptors: NDArray[np.uint8], params: Params
     ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.uint8]]:

@@ -26,9 +26,9 @@ class Extractor:
 
     def extract(self, frame: Frame, params: Params) -> Features:
         """Up to ``Vis/MaxFeatures`` key points of a frame, strongest first."""
-        gray = cv2.cvtColor(frame.image_bgr, cv2.COLOR_BGR2GRAY)
+        gray: NDArray[np.uint8] = np.asarray(cv2.cvtColor(frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
         pixels, responses = _corners(gray, params)
-        keypoints = cv2.KeyPoint.convert(pixels, size=float(_PATCH))
+        keypoints = [cv2.KeyPoint(x, y, _PATCH) for x, y in pixels.tolist()]
         kept, descriptors = self._orb.compute(gray, keypoints)
         if descriptors is None:
             kept, descriptors = (), np.zeros((0, 32), np.uint8)
@@ -41,13 +41,13 @@ class Extractor:
             angles=np.full(count, -1.0, np.float32),
             responses=responses,
             octaves=np.zeros(count, np.int32),
-            descriptors=descriptors,
+            descriptors=np.asarray(descriptors, np.uint8),
             points_base=_points_base(pixels, frame.depth_m, frame.camera, params),
         )
 
 
 def _corners(gray: NDArray[np.uint8], params: Params) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    strength = cv2.cornerMinEigenVal(gray, params.GFTT.BlockSize)
+    strength = np.asarray(cv2.cornerMinEigenVal(gray, params.GFTT.BlockSize), np.float32)
     threshold = params.GFTT.QualityLevel * float(strength.max())
     pixels, found = corners.local_maxima(strength, threshold, _BORDER)
     order = np.argsort(-found, kind="stable")

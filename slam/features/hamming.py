@@ -16,13 +16,17 @@ FAR = 1 << 20
 
 
 @intrinsic
-def _popcount(_context: Any, _word: Any) -> Any:
+def _popcount_instruction(_context: Any, _word: Any) -> Any:
     """Number of set bits of a 64-bit word, one machine instruction."""
 
     def build(_codegen_context: Any, builder: Any, _signature: Any, args: Any) -> ir.Value:
         return builder.ctpop(args[0])
 
     return types.uint64(types.uint64), build
+
+
+#: Typed as what compiled code calls it with; the decorator keeps the typing context's argument in the signature.
+_popcount: Any = _popcount_instruction
 
 
 def pack(descriptors: NDArray[np.uint8]) -> NDArray[np.uint64]:

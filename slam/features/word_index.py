@@ -65,7 +65,7 @@ class WordIndex:
         """Rows of these words, taken in as they are."""
         self._reserve(self.count + len(descriptors))
         rows = np.arange(self.count, self.count + len(descriptors), dtype=np.int32)
-        for row, descriptor in zip(rows, descriptors, strict=True):
+        for row, descriptor in zip(rows.tolist(), descriptors, strict=True):
             _insert(descriptor, row, self.descriptors, self.alive, self._next, self._heads, self._bits)
         self.count += len(descriptors)
         return rows

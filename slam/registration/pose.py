@@ -59,7 +59,8 @@ def residual(
     r[0] = (u - (intrinsics[0] * p[0] / p[2] + intrinsics[2])) / SIGMA_PX
     r[1] = (v - (intrinsics[1] * p[1] / p[2] + intrinsics[3])) / SIGMA_PX
     r[2] = 0.0 if np.isnan(w) else (w - 1.0 / p[2]) / SIGMA_INVERSE_DEPTH
-    return r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
+    chi2: float = r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
+    return chi2
 
 
 @njit(cache=True)
@@ -163,7 +164,7 @@ def _descend(
     damping = 1e-6
     H, b = _normal_equations(R, t, points, pixels, inverse_depth, intrinsics, used)
     for _ in range(15):
-        damped = H.copy()
+        damped: Array = H.copy()
         for a in range(6):
             damped[a, a] += damping * H[a, a] + 1e-6
         step = np.linalg.solve(damped, b)
