@@ -25,6 +25,7 @@ from slam.geometry import (
     to_quat_xyzw,
 )
 from slam.graph.graph import PoseGraph
+from slam.saving import save
 from slam.types import Link, LinkType
 
 #: Information of z, roll and pitch of a planar link: planar data has no residual there, so any moderate value will do.
@@ -67,14 +68,14 @@ def read_edges(path: Path) -> list[Link]:
 
 
 def write_g2o(path: Path, graph: PoseGraph) -> None:
-    """Write optimised poses and links as SE3:QUAT; numbers survive the round trip to the last bit but one."""
+    """Write optimised poses and links as SE3:QUAT, with all digits; raises DatabaseError when it can't be written."""
     lines = [f"VERTEX_SE3:QUAT {i} {_pose_text(graph.poses[i])}" for i in sorted(graph.poses)]
     for pair in sorted(graph.links):
         link = graph.links[pair]
         assert link.T_from_to is not None
         information = " ".join(repr(float(v)) for v in link.information[_UPPER_SE3])
         lines.append(f"EDGE_SE3:QUAT {link.from_id} {link.to_id} {_pose_text(link.T_from_to)} {information}")
-    path.write_text("\n".join([*lines, ""]), encoding="ascii")
+    save(path, "\n".join([*lines, ""]))
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str, Array]]:
