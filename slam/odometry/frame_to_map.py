@@ -52,6 +52,9 @@ class FrameToMap:
         with_depth = int(np.isfinite(features.points_base[:, 0]).sum())
         if with_depth < params.Vis.MinInliers:
             return self._refused("features with depth", with_depth, 0, 0, features, params, start)
+        if self._frame == 1 and frame.T_gravity_base is not None:
+            # Level from the start: the map's z points up, as grids and views expect.
+            self._T_odom_base = frame.T_gravity_base
         rows = np.zeros(0, np.int32)
         self._map.add_keyframe(
             self._T_odom_base, features, rows, rows, frame.camera, frame=self._frame, max_size=params.OdomF2M.MaxSize
