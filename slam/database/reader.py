@@ -151,10 +151,10 @@ class MapReader:
         with self._reading(f"reading the key points of node {node_id}") as connection:
             return read_features(connection, node_id)
 
-    def words(self) -> WordRows:
-        """The whole dictionary."""
+    def words(self, ids: Sequence[int] | None = None) -> WordRows:
+        """The whole dictionary, or those of these words that it has; ascending by id."""
         with self._reading("reading the dictionary") as connection:
-            return read_words(connection)
+            return read_words(connection, ids)
 
     def local_grid(self, node_id: int) -> LocalGrid | None:
         """The local grid of a node; None when it has none."""
