@@ -47,7 +47,7 @@ def is_write_ahead(path: Path) -> bool:
     return _read_header(path)[0][18:20] == b"\2\2"
 
 
-def check_version(path: Path, version: str) -> None:
+def check_version(version: str) -> None:
     """Refuse versions whose columns are not known.
 
     Raises:
@@ -55,14 +55,14 @@ def check_version(path: Path, version: str) -> None:
     """
     parts = version.split(".")
     if len(parts) < 2 or not all(part.isdecimal() for part in parts[:2]):
-        raise DatabaseError(f"{path} has no version of RTAB-Map ({version!r} in its table Admin): {_HOW}")
+        raise DatabaseError(f"it has no version of RTAB-Map ({version!r} in its table Admin): {_HOW}")
     minor = (int(parts[0]), int(parts[1]))
     readable = f"versions {OLDEST[0]}.{OLDEST[1]} to {NEWEST[0]}.{NEWEST[1]} can be read"
     if minor > NEWEST:
-        raise DatabaseError(f"{path} was written by RTAB-Map {version}, which is too new: {readable}")
+        raise DatabaseError(f"it was written by RTAB-Map {version}, which is too new: {readable}")
     if minor < OLDEST:
         raise DatabaseError(
-            f"{path} was written by RTAB-Map {version}, which is too old: {readable}; update it with rtabmap-reprocess"
+            f"it was written by RTAB-Map {version}, which is too old: {readable}; update it with rtabmap-reprocess"
         )
 
 

@@ -48,7 +48,7 @@ class MapWriter:
         with refusing(path, "opening for writing"):
             self._connection = writing_engine(path).connect()
             with self._connection.begin():
-                check_version(path, admin_rows.read_version(self._connection))
+                check_version(admin_rows.read_version(self._connection))
                 add_deck_tables(self._connection)
                 session_rows.heal_sessions(self._connection)
                 self._known = KnownIds.read(self._connection)
@@ -83,7 +83,7 @@ class MapWriter:
     def map_id(self) -> int:
         """Number of the session that runs; DatabaseError when none does."""
         if self._map_id is None:
-            raise DatabaseError(f"{self.path}: no session runs: start one before nodes are added")
+            raise DatabaseError(f"{self.path}: no session runs: start one before nodes or frames are added")
         return self._map_id
 
     def start_session(self, params: Params, *, seed: int, source: str) -> int:
@@ -103,14 +103,11 @@ class MapWriter:
         Raises:
             DatabaseError: the record does not fit the map (ids, links, words), or can't be written.
         """
-        map_id = self.map_id
-        if record.node.map_id != map_id:
-            raise DatabaseError(
-                f"node {record.node.id} belongs to session {record.node.map_id}, and session {map_id} runs"
-            )
-        self._known.check(record)
-        encoded = EncodedData.of(record, self._params)
-        with self._transaction(f"adding node {record.node.id}") as connection:
+        doing = f"adding node {record.node.id}"
+        with refusing(self.path, doing):
+            self._known.check(record, self.map_id)
+            encoded = EncodedData.of(record, self._params)
+        with self._transaction(doing) as connection:
             node_record.insert_record(connection, record, encoded, self._memory_stamp)
         self._known.add(record)
 
