@@ -7,7 +7,7 @@ is the depth (u8 s8 u16 s16 s32 f32 f64) plus 8 times the channels less one. Eve
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,18 +98,31 @@ def unpack_pose(blob: bytes | None) -> Pose | None:
     return None if blob is None or len(blob) != 96 else _pose(np.frombuffer(blob, dtype="<f8"))
 
 
-def _pose(rows: NDArray[np.floating]) -> Pose | None:
-    if not np.any(rows) or not np.all(np.isfinite(rows)):
-        return None
-    T_a_b = np.eye(4)
-    T_a_b[:3] = rows.reshape(3, 4)
-    return T_a_b
+def _pose(numbers: NDArray[np.floating]) -> Pose | None:
+    (T_a_b,) = stack_rows(numbers)
+    return None if np.isnan(T_a_b[0, 0]) else T_a_b
 
 
-def pack_transforms(T_a_b: Iterable[Pose]) -> NDArray[np.float32]:
+def stack_transforms(blobs: Sequence[bytes | None]) -> NDArray[np.float64]:
+    """Poses (N, 4, 4) of transform blobs; NaN where ``unpack_transform`` gives None."""
+    null = bytes(48)
+    raw = b"".join(blob if blob is not None and len(blob) == 48 else null for blob in blobs)
+    return stack_rows(np.frombuffer(raw, dtype="<f4"))
+
+
+def stack_rows(numbers: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Poses (N, 4, 4) of 12 N numbers, three rows each; NaN for the null transform and for one that is not finite."""
+    rows = numbers.reshape(-1, 3, 4)
+    stack = np.zeros((len(rows), 4, 4))
+    stack[:, :3] = rows
+    stack[:, 3, 3] = 1.0
+    stack[~(np.any(rows, axis=(1, 2)) & np.all(np.isfinite(rows), axis=(1, 2)))] = np.nan
+    return stack
+
+
+def pack_transforms(T_a_b: Sequence[Pose]) -> NDArray[np.float32]:
     """One row (1, 12 N) of the transforms back to back, as in ``Admin.opt_poses``."""
-    stack = np.array([T[:3] for T in T_a_b], dtype="<f4")
-    return stack.reshape(1, -1)
+    return np.array(T_a_b, dtype=np.float32).reshape(-1, 4, 4)[:, :3].reshape(1, -1)
 
 
 def pack_information(information: NDArray[np.float64]) -> bytes:

@@ -62,7 +62,8 @@ def _links(connection: Connection) -> dict[str, int]:
     smaller, larger = func.min(link.c.from_id, link.c.to_id), func.max(link.c.from_id, link.c.to_id)
     pairs = select(link.c.type, smaller, larger).distinct()
     kinds = Counter(row.type for row in connection.execute(pairs))
-    return {LinkType(kind).label: count for kind, count in sorted(kinds.items())}
+    names = {int(kind): kind.label for kind in LinkType}
+    return {names.get(kind, f"Type{kind}"): count for kind, count in sorted(kinds.items())}
 
 
 def _count(connection: Connection, column: Column[int]) -> int:

@@ -57,15 +57,13 @@ def read_links(connection: Connection) -> list[Link]:
     Missing reverse rows and duplicates, which files of killed programs have, are tolerated: the last row counts.
     """
     query = select(link.c.from_id, link.c.to_id, link.c.type, link.c.information_matrix, link.c.transform)
-    found: dict[tuple[int, int, bool], Link] = {}
-    for from_id, to_id, kind, information, transform in connection.execute(query.order_by(text("rowid"))):
-        item = _link(from_id, to_id, kind, information, transform)
+    found: dict[tuple[int, int, bool], tuple[int, int, int, bytes, bytes | None]] = {}
+    for from_id, to_id, *rest in connection.execute(query.order_by(text("rowid"))):
         # A node may have a prior and gravity, both links to itself.
-        key = (*item.pair, kind == LinkType.GRAVITY)
-        known = found.get(key)
-        if known is None or known.from_id <= known.to_id or from_id > to_id:
-            found[key] = item
-    return [found[key] for key in sorted(found)]
+        key = (min(from_id, to_id), max(from_id, to_id), rest[0] == LinkType.GRAVITY)
+        if key not in found or found[key][0] <= found[key][1] or from_id > to_id:
+            found[key] = (from_id, to_id, *rest)
+    return [_link(*found[key]) for key in sorted(found)]
 
 
 def _check(item: Link) -> None:

@@ -21,7 +21,7 @@ from slam.database.time_enter import keep_in_memory, now_text
 from slam.database.update_rows import insert_update
 from slam.database.word_rows import insert_words, read_word_ids
 from slam.errors import DatabaseError
-from slam.types import Link
+from slam.types import WEIGHT_INVALID, Link
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,13 +36,15 @@ class KnownIds:
         """Those of a map file."""
         return cls(read_node_ids(connection), read_word_ids(connection))
 
-    def check(self, record: NodeRecord) -> None:
-        """Refuse a record that RTAB-Map could not load.
+    def check(self, record: NodeRecord, map_id: int) -> None:
+        """Refuse a record that RTAB-Map could not load, or of another session than ``map_id``.
 
         Raises:
             DatabaseError: an id is taken or not positive, or a link or key point refers to what does not exist.
         """
         node_id = record.node.id
+        if record.node.map_id != map_id:
+            raise DatabaseError(f"node {node_id} belongs to session {record.node.map_id}, and session {map_id} runs")
         if node_id <= 0 or node_id in self.nodes:
             raise DatabaseError(
                 f"node {node_id} can't be added: ids are positive and used once (the map has {len(self.nodes)} nodes)"
@@ -53,7 +55,8 @@ class KnownIds:
                 f"new words of node {node_id} can't be added: their ids must be positive and not used yet"
             )
         missing = {int(i) for i in np.unique(record.node.word_ids) if i > 0} - self.words - new_words
-        if missing:
+        # A dropped node is never loaded; RTAB-Map too forgets the words that it alone had.
+        if missing and record.node.weight != WEIGHT_INVALID:
             raise DatabaseError(
                 f"node {node_id} refers to {len(missing)} words that are not in the dictionary, first {min(missing)}"
             )

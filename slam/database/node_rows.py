@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from sqlalchemy import Connection, func, insert, select, update
 
-from slam.database.blobs import pack_transform, unpack_transform
+from slam.database.blobs import pack_transform, stack_transforms, unpack_transform
 from slam.database.rows import NodeRow, NodeTable
 from slam.database.tables import data, feature, node
 from slam.errors import DatabaseError
@@ -72,8 +71,8 @@ def read_nodes(connection: Connection) -> NodeTable:
         map_ids=np.array(map_ids, dtype=np.int32),
         weights=np.array([w or 0 for w in weights], dtype=np.int32),
         stamps=np.array([s or 0.0 for s in stamps], dtype=np.float64),
-        T_odom=_stack(odom),
-        T_world=_stack(world),
+        T_odom=stack_transforms(odom),
+        T_world=stack_transforms(world),
         labels=tuple(labels),
     )
 
@@ -107,12 +106,3 @@ def read_node(connection: Connection, node_id: int) -> NodeRow:
         depth_bytes=depth_bytes,
         has_grid=bool(has_grid),
     )
-
-
-def _stack(blobs: tuple[bytes | None, ...]) -> NDArray[np.float64]:
-    stack = np.full((len(blobs), 4, 4), np.nan)
-    for i, blob in enumerate(blobs):
-        T = unpack_transform(blob)
-        if T is not None:
-            stack[i] = T
-    return stack

@@ -14,7 +14,7 @@ from sqlalchemy import Connection
 from slam.camera import Camera
 from slam.database import admin_rows, data_rows, node_rows, statistics_rows, update_rows
 from slam.database.candidate_rows import read_candidates
-from slam.database.connection import reading_engine, refusing
+from slam.database.connection import reading, reading_engine, refusing
 from slam.database.feature_rows import read_features
 from slam.database.file_check import check_file, check_version
 from slam.database.frame_rows import read_frames
@@ -37,6 +37,7 @@ from slam.database.rows import (
 from slam.database.schema import has_deck_tables
 from slam.database.session_rows import read_sessions
 from slam.database.tables import data
+from slam.database.time_enter import read_memory_ids
 from slam.database.word_rows import read_words
 from slam.errors import DatabaseError
 from slam.geometry import Pose
@@ -62,7 +63,7 @@ class MapReader:
         self.path = path
         self._engine = reading_engine(path)
         with self._reading("opening") as connection:
-            check_version(path, admin_rows.read_version(connection))
+            check_version(admin_rows.read_version(connection))
 
     def info(self, *, sizes: bool = True) -> MapInfo:
         """Summary of the map; without ``sizes`` (bytes by kind) it is fast for any size of map."""
@@ -150,10 +151,10 @@ class MapReader:
         with self._reading(f"reading the key points of node {node_id}") as connection:
             return read_features(connection, node_id)
 
-    def words(self) -> WordRows:
-        """The whole dictionary."""
+    def words(self, ids: Sequence[int] | None = None) -> WordRows:
+        """The whole dictionary, or those of these words that it has; ascending by id."""
         with self._reading("reading the dictionary") as connection:
-            return read_words(connection)
+            return read_words(connection, ids)
 
     def local_grid(self, node_id: int) -> LocalGrid | None:
         """The local grid of a node; None when it has none."""
@@ -175,6 +176,11 @@ class MapReader:
         """Ids in short-term and working memory at each update after a node, where they were kept."""
         with self._reading("reading the working memory") as connection:
             return statistics_rows.read_wm_states(connection, after)
+
+    def memory_ids(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Ascending ids of the nodes and of the words that RTAB-Map would load into working memory."""
+        with self._reading("reading the working memory") as connection:
+            return read_memory_ids(connection)
 
     def updates(self, after: int = 0) -> list[UpdateRow]:
         """The updates after a node, ascending."""
@@ -214,13 +220,22 @@ class MapReader:
     @contextmanager
     def _reading(self, doing: str) -> Iterator[Connection]:
         check_file(self.path)
-        with refusing(self.path, doing), self._engine.connect() as connection, connection.begin():
+        with refusing(self.path, doing), _making_sense(), reading(self._engine) as connection:
             yield connection
 
     @contextmanager
     def _deck(self, doing: str) -> Iterator[Connection | None]:
         with self._reading(doing) as connection:
             yield connection if has_deck_tables(connection) else None
+
+
+@contextmanager
+def _making_sense() -> Iterator[None]:
+    """SQLite keeps anything in any column: what is not of the column's kind can't be understood."""
+    try:
+        yield
+    except (ValueError, TypeError, OverflowError) as error:
+        raise DatabaseError(f"a value is not of the kind that its column has: {error}; the file is damaged") from error
 
 
 @contextmanager

@@ -44,7 +44,7 @@ def heal_sessions(connection: Connection) -> None:
 def read_sessions(connection: Connection, *, deck: bool) -> list[SessionRow]:
     """All sessions by number; for files of RTAB-Map (``deck`` false) only their number and nodes are known."""
     counted = select(node.c.map_id, func.count().filter(node.c.weight > WEIGHT_INVALID)).group_by(node.c.map_id)
-    nodes = dict(connection.execute(counted).tuples().all())
+    nodes: dict[int, int] = dict(connection.execute(counted).all())
     rows = {row.map_id: row for row in connection.execute(select(session))} if deck else {}
     found = []
     for map_id in sorted(nodes.keys() | rows.keys()):

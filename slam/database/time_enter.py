@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 
+import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import Connection, bindparam, func, insert, select, update
 
 from slam.database.tables import info, node, word
@@ -41,6 +43,14 @@ def end_memory(connection: Connection, parameters: str, ram_ids: Iterable[int], 
     last_id = connection.scalar(select(func.max(node.c.id))) or 0
     _insert_info(connection, stamp, parameters, ram_nodes=len(nodes), ram_words=len(words), last_id=last_id)
     keep_in_memory(connection, stamp, nodes, words)
+
+
+def read_memory_ids(connection: Connection) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Ascending ids of the nodes and of the words that RTAB-Map would load into working memory."""
+    newest = select(func.max(info.c.time_enter)).scalar_subquery()
+    queries = (select(table.c.id).where(table.c.time_enter >= newest).order_by(table.c.id) for table in (node, word))
+    nodes, words = (np.array(connection.scalars(query).all(), dtype=np.int32) for query in queries)
+    return nodes, words
 
 
 def keep_in_memory(connection: Connection, stamp: str, node_ids: Iterable[int], word_ids: Iterable[int]) -> None:

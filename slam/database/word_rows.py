@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from sqlalchemy import Connection, select
 
@@ -23,8 +25,9 @@ def read_word_ids(connection: Connection) -> set[int]:
     return set(connection.scalars(select(word.c.id)))
 
 
-def read_words(connection: Connection) -> WordRows:
-    """The whole dictionary, ascending by id."""
-    rows = connection.execute(select(word.c.id, word.c.descriptor_size, word.c.descriptor).order_by(word.c.id)).all()
+def read_words(connection: Connection, only: Sequence[int] | None = None) -> WordRows:
+    """The whole dictionary, or those of its words that are asked for; ascending by id."""
+    query = select(word.c.id, word.c.descriptor_size, word.c.descriptor).order_by(word.c.id)
+    rows = connection.execute(query if only is None else query.where(word.c.id.in_(only))).all()
     ids, widths, raw = zip(*rows, strict=True) if rows else ((), (), ())
     return WordRows(np.array(ids, dtype=np.int32), read_descriptors(0, widths, raw))

@@ -50,6 +50,12 @@ class Memory:
         rest = -np.arange(1, len(features) - best + 1, dtype=np.int32)
         return np.concatenate([words, rest]).astype(np.int32), WordRows(new_ids, new_descriptors)
 
+    def forget_words(self, node: Node) -> None:
+        """The words made for a node that is not kept go again."""
+        bag = WordBag.of(node)
+        self.dictionary.use(bag.words.tolist())
+        self.dictionary.release(bag.words.tolist())
+
     def add(self, node: Node, params: Params) -> None:
         """Takes a new node into STM; what overflows goes to WM."""
         self._admit(node)

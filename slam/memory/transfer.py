@@ -14,7 +14,7 @@ def choose_transfer(
     memory: Memory,
     graph: PoseGraph,
     *,
-    added: int,
+    retrieved: list[int],
     elapsed_ms: float,
     best_id: int,
     last_loop_id: int,
@@ -25,7 +25,7 @@ def choose_transfer(
     Args:
         memory: the tiers now.
         graph: optimised poses and links.
-        added: nodes that came into RAM in this update.
+        retrieved: nodes that came back in this update; they stay, and as many others and two more may go.
         elapsed_ms: what the update took so far.
         best_id: the best loop hypothesis, 0 for none.
         last_loop_id: the old node of the last loop closure, 0 for none.
@@ -35,13 +35,13 @@ def choose_transfer(
     over_room = 0 < params.Rtabmap.MemoryThr < len(memory.wm)
     if not (over_time or over_room):
         return []
-    kept = immunized(memory, graph, best_id, last_loop_id, params)
+    kept = immunized(memory, graph, best_id, last_loop_id, params) | set(retrieved)
     free = [node_id for node_id in memory.wm if node_id not in kept]
     if params.Mem.TransferSortingByWeightId:
         free.sort(key=lambda i: (memory.weights[i], i))
     else:
         free.sort(key=lambda i: (memory.weights[i], memory.wm[i], i))
-    return free[: added + 1]
+    return free[: len(retrieved) + 2]
 
 
 def immunized(memory: Memory, graph: PoseGraph, best_id: int, last_loop_id: int, params: Params) -> set[int]:

@@ -18,6 +18,8 @@ from slam.types import UNKNOWN_VARIANCE, Features, Frame, Odometry, Refusal
 
 #: After a first pose is known, projected points are searched again this near.
 _NARROW_PX = 8.0
+#: With fewer inliers than this share of the matches, the guess itself is in doubt.
+_DOUBTFUL = 0.5
 
 
 class FrameToMap:
@@ -40,8 +42,10 @@ class FrameToMap:
             return self._begin(frame, features, params, start)
         guess = self._T_odom_base @ self._motion if params.Odom.GuessMotion else self._T_odom_base
         T_odom_base, matches, inliers = self._register(features, frame.camera, guess, params)
-        if inliers.sum() < params.Vis.MinInliers:
-            T_odom_base, matches, inliers = self._relocate(features, frame.camera, params)
+        if inliers.sum() < max(params.Vis.MinInliers, _DOUBTFUL * len(matches)):
+            without_guess = self._relocate(features, frame.camera, params)
+            if without_guess[2].sum() > inliers.sum():
+                T_odom_base, matches, inliers = without_guess
         agreed = int(inliers.sum())
         if agreed < params.Vis.MinInliers:
             return self._lose(features, matches, agreed, params, start)
@@ -52,10 +56,11 @@ class FrameToMap:
         with_depth = int(np.isfinite(features.points_base[:, 0]).sum())
         if with_depth < params.Vis.MinInliers:
             return self._refused("features with depth", with_depth, 0, 0, features, params, start)
+        if self._frame == 1 and frame.T_gravity_base is not None:
+            # Level from the start: the map's z points up, as grids and views expect.
+            self._T_odom_base = frame.T_gravity_base
         rows = np.zeros(0, np.int32)
-        self._map.add_keyframe(
-            self._T_odom_base, features, rows, rows, frame.camera, frame=self._frame, max_size=params.OdomF2M.MaxSize
-        )
+        self._map.add_keyframe(self._T_odom_base, features, rows, rows, frame.camera, frame=self._frame, params=params)
         covariance = np.eye(6) * UNKNOWN_VARIANCE
         return Odometry(self._T_odom_base, covariance, features, 0, with_depth, True, None, _ms(start))
 
@@ -136,7 +141,7 @@ class FrameToMap:
                 feature_rows,
                 frame.camera,
                 frame=self._frame,
-                max_size=params.OdomF2M.MaxSize,
+                params=params,
             )
         # After a gap the motion covers several frames and predicts nothing.
         self._motion = between(self._T_odom_base, T_odom_base) if self._lost_frames == 0 else np.eye(4)

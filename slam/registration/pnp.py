@@ -85,8 +85,9 @@ def spread_covariance(
     """(6, 6) covariance from how far the inliers' points lie apart in both views.
 
     The linear variance is the n/``Vis/PnPVarianceMedianRatio``-th smallest squared distance, the angular one the
-    same of the squared angle between both rays from the camera; each times 2.1981. Points without depth in the
-    view count with the point's predicted place only where too few have depth.
+    same of the squared angle between both rays from the camera; each times 2.1981. (RTAB-Map takes the angle itself,
+    not its square.) A turn and a sidestep look alike at the depth of the scene, so that the angular sigma is at least
+    the linear one over the median depth.
     """
     T_cam_ref = inverse(T_ref_base @ camera.T_base_cam)
     expected = transform(T_cam_ref, points_ref)
@@ -100,5 +101,6 @@ def spread_covariance(
     angles = np.arccos(np.clip(cosine, -1.0, 1.0))
     k = len(squared) // params.Vis.PnPVarianceMedianRatio
     linear = max(_LINEAR_FLOOR, _MEDIAN_TO_VARIANCE * float(np.partition(squared, k)[k]))
-    angular = max(_ANGULAR_FLOOR, _MEDIAN_TO_VARIANCE * float(np.partition(angles, k)[k]) ** 2)
+    sidestep = linear / float(np.median(expected[:, 2])) ** 2
+    angular = max(_ANGULAR_FLOOR, sidestep, _MEDIAN_TO_VARIANCE * float(np.partition(angles, k)[k]) ** 2)
     return np.diag([linear] * 3 + [angular] * 3)

@@ -8,6 +8,8 @@ the left.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -167,7 +169,7 @@ def _descend(
         damped: Array = H.copy()
         for a in range(6):
             damped[a, a] += damping * H[a, a] + 1e-6
-        step = np.linalg.solve(damped, b)
+        step: Any = np.linalg.solve(damped, b)
         new_R, new_t = R.copy(), t.copy()
         apply_tangent(new_R, new_t, step)
         new_cost = _cost(new_R, new_t, points, pixels, inverse_depth, intrinsics, used)

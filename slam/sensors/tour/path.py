@@ -1,4 +1,4 @@
-"""The walk: a smooth closed round, a little different each lap."""
+"""The walk: a smooth closed round, a hand's breadth aside each lap."""
 
 from __future__ import annotations
 
@@ -10,16 +10,21 @@ from slam.sensors.tour.options import TourOptions
 
 Array = NDArray[np.float64]
 
-EYE_HEIGHT = 1.2
-#: Corners of the round in metres; they are rounded by ``_SMOOTHING_M``.
+EYE_HEIGHT_M = 1.2
+#: Corners of the round in metres, before they are rounded.
 _CORNERS = np.array(
-    [[2.0, 1.3], [6.5, 1.45], [12.1, 1.25], [12.5, 4.6], [12.2, 8.2], [7.5, 8.5], [1.7, 8.3], [1.5, 5.0]]
+    [[1.0, 0.85], [6.5, 1.45], [12.95, 0.9], [12.4, 4.8], [12.9, 8.9], [7.3, 8.4], [1.1, 9.0], [1.75, 5.0]]
 )
-_SMOOTHING_M = 0.85
+#: Rounding; a right angle becomes a turn of at most 1.13 / this radians per metre.
+_SMOOTHING_M = 2.4
 _STEP_M = 0.01
-#: A lap's offset from the mean round, alternately left and right.
-_OFFSET_M = (0.03, 0.07)
-_BLEND_M = 3.0
+#: How far a lap lies beside the one before, least and most, and all laps together at most.
+_ASIDE_M = (0.08, 0.12)
+_ASIDE_ALL_M = 0.5
+#: The walker looks where he will be in this time.
+_LOOK_AHEAD_S = 0.4
+#: Turned a little to the left, to the middle of the flat.
+_GLANCE_RAD = 0.12
 
 
 class Walk:
@@ -28,9 +33,11 @@ class Walk:
     def __init__(self, options: TourOptions) -> None:
         rng = np.random.default_rng([options.seed, 1])
         self._round = _smooth_round()
-        self._speed = options.speed
-        sides = np.where(np.arange(options.laps + 1) % 2 == 0, 1.0, -1.0)
-        self._offsets = sides * rng.uniform(*_OFFSET_M, options.laps + 1)
+        following = np.roll(self._round, -1, axis=0) - np.roll(self._round, 1, axis=0)
+        following /= np.linalg.norm(following, axis=1, keepdims=True)
+        self._left = np.column_stack([-following[:, 1], following[:, 0]])
+        self._speed, self._laps = options.speed, options.laps
+        self._aside = min(float(rng.uniform(*_ASIDE_M)), _ASIDE_ALL_M / options.laps)
         self._phases = rng.uniform(0, 2 * np.pi, 8)
 
     @property
@@ -40,33 +47,26 @@ class Walk:
 
     def T_world_base(self, time_s: float) -> Pose:
         """Pose of the base (x forward, y left, z up) at a time since the start."""
-        here, ahead = self._position(time_s), self._position(time_s + 0.25)
-        heading = float(np.arctan2(ahead[1] - here[1], ahead[0] - here[0]))
+        here, ahead = self._position(time_s), self._position(time_s + _LOOK_AHEAD_S)
         sway = self._sway
-        yaw = heading + 0.10 * sway(0, 0.07, time_s) + 0.03 * sway(1, 0.21, time_s)
+        heading = float(np.arctan2(ahead[1] - here[1], ahead[0] - here[0]))
+        yaw = heading + _GLANCE_RAD + 0.10 * sway(0, 0.05, time_s) + 0.02 * sway(1, 0.21, time_s)
         pitch = 0.05 + 0.020 * sway(2, 0.17, time_s) + 0.006 * sway(3, 0.9, time_s)
         roll = 0.015 * sway(4, 0.13, time_s) + 0.008 * sway(5, 0.45, time_s)
-        height = EYE_HEIGHT + 0.012 * sway(6, 0.9, time_s) + 0.02 * sway(7, 0.11, time_s)
+        height = EYE_HEIGHT_M + 0.012 * sway(6, 0.9, time_s) + 0.02 * sway(7, 0.11, time_s)
         return make(_rotation(yaw, pitch, roll), np.array([here[0], here[1], height]))
 
     def _sway(self, phase: int, hertz: float, time_s: float) -> float:
         return float(np.sin(2 * np.pi * hertz * time_s + self._phases[phase]))
 
     def _position(self, time_s: float) -> Array:
-        way = self._speed * time_s
-        along = way / _STEP_M
-        count = len(self._round)
+        laps = self._speed * time_s / self.lap_m
+        along = laps * len(self._round)
         low = int(np.floor(along))
-        a, b = self._round[low % count], self._round[(low + 1) % count]
-        tangent = (b - a) / np.linalg.norm(b - a)
-        aside = np.array([-tangent[1], tangent[0]]) * self._offset(way)
-        return np.asarray(a + (along - low) * (b - a) + aside)
-
-    def _offset(self, way: float) -> float:
-        lap = min(int(way // self.lap_m), len(self._offsets) - 1)
-        last = self._offsets[max(lap - 1, 0)]
-        x = min((way - lap * self.lap_m) / _BLEND_M, 1.0)
-        return float(last + (self._offsets[lap] - last) * x * x * x * (x * (6 * x - 15) + 10))
+        a, b, f = low % len(self._round), (low + 1) % len(self._round), along - low
+        left = (1 - f) * self._left[a] + f * self._left[b]
+        aside = (laps - self._laps / 2) * self._aside
+        return np.asarray((1 - f) * self._round[a] + f * self._round[b] + aside * left)
 
 
 def _smooth_round() -> Array:
@@ -74,8 +74,7 @@ def _smooth_round() -> Array:
     line = _resample(_CORNERS)
     frequency = np.fft.fftfreq(len(line), _STEP_M)
     gain = np.exp(-2.0 * (np.pi * _SMOOTHING_M * frequency) ** 2)
-    spectrum = np.fft.fft(line[:, 0] + 1j * line[:, 1]) * gain
-    smooth = np.fft.ifft(spectrum)
+    smooth = np.fft.ifft(np.fft.fft(line[:, 0] + 1j * line[:, 1]) * gain)
     return _resample(np.column_stack([smooth.real, smooth.imag]))
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from map_records import frames, record, records, write_map
 
 from slam.database import MapReader, MapWriter, NodeRecord
 from slam.params import Params
+from tests.unit.database.map_records import frames, record, records, write_map
 
 
 def assert_same_node(reader: MapReader, expected: NodeRecord) -> None:
