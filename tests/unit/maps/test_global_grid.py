@@ -137,6 +137,15 @@ def test_adding_one_by_one_is_the_same_as_a_rebuild(seed: int) -> None:
     assert same(grid.occupancy(), built(where).occupancy())
 
 
+@slowly
+@given(seed=st.integers(0, 999), order=st.permutations(range(1, 9)))
+def test_a_rebuild_goes_by_ids_whatever_the_order_of_adding(seed: int, order: list[int]) -> None:
+    where = poses(seed, spread=0.3)
+    grid = built({**where, 8: at(x=9.0)}, list(order))
+    assert grid.move(where)
+    assert same(grid.occupancy(), built(where).occupancy())
+
+
 def test_small_moves_are_left_alone_and_turns_count_by_what_they_move() -> None:
     where = poses(1)
     grid, before = built(where), built(where).occupancy()
