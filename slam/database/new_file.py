@@ -24,7 +24,10 @@ def create_file(path: Path) -> None:
     unfinished = path.with_name(path.name + ".new")
     with refusing(path, "creating the map"):
         # A log left over from a deleted file of this name would be taken for the new file's own.
-        for leftover in (unfinished, *(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal"))):
+        for leftover in (
+            unfinished,
+            *(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal", ".new-journal")),
+        ):
             leftover.unlink(missing_ok=True)
         _fill(unfinished)
         unfinished.rename(path)

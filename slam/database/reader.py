@@ -220,13 +220,22 @@ class MapReader:
     @contextmanager
     def _reading(self, doing: str) -> Iterator[Connection]:
         check_file(self.path)
-        with refusing(self.path, doing), reading(self._engine) as connection:
+        with refusing(self.path, doing), _making_sense(), reading(self._engine) as connection:
             yield connection
 
     @contextmanager
     def _deck(self, doing: str) -> Iterator[Connection | None]:
         with self._reading(doing) as connection:
             yield connection if has_deck_tables(connection) else None
+
+
+@contextmanager
+def _making_sense() -> Iterator[None]:
+    """SQLite keeps anything in any column: what is not of the column's kind can't be understood."""
+    try:
+        yield
+    except (ValueError, TypeError, OverflowError) as error:
+        raise DatabaseError(f"a value is not of the kind that its column has: {error}; the file is damaged") from error
 
 
 @contextmanager

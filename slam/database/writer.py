@@ -11,7 +11,7 @@ from typing import Self
 from sqlalchemy import Connection
 
 from slam.database import admin_rows, node_record, session_rows, time_enter
-from slam.database.connection import close_plainly, refusing, writing_engine
+from slam.database.connection import close_plainly, open_for_writing, refusing
 from slam.database.data_rows import EncodedData
 from slam.database.file_check import check_file, check_version
 from slam.database.frame_rows import insert_frames
@@ -46,12 +46,12 @@ class MapWriter:
         self._params = Params()
         self._memory_stamp = ""
         with refusing(path, "opening for writing"):
-            self._connection = writing_engine(path).connect()
-            with self._connection.begin():
-                check_version(admin_rows.read_version(self._connection))
-                add_deck_tables(self._connection)
-                session_rows.heal_sessions(self._connection)
-                self._known = KnownIds.read(self._connection)
+            self._connection = open_for_writing(path, _check_version)
+            try:
+                self._known = _prepare(self._connection)
+            except BaseException:
+                self._connection.close()
+                raise
 
     @classmethod
     def create(cls, path: Path, params: Params, *, seed: int, source: str) -> MapWriter:
@@ -61,6 +61,8 @@ class MapWriter:
             DatabaseError: the file exists, or can't be made there.
             MapBusyError: another writer holds this name.
         """
+        if not path.parent.is_dir():
+            raise DatabaseError(f"{path} can't be made: the folder {path.parent} does not exist")
         with _locked(path) as lock:
             create_file(path)
             writer = cls(path, lock)
@@ -206,6 +208,17 @@ class MapWriter:
             raise DatabaseError(f"{self.path} is closed: {doing} is not possible any more")
         with refusing(self.path, doing), self._connection.begin():
             yield self._connection
+
+
+def _check_version(connection: Connection) -> None:
+    check_version(admin_rows.read_version(connection))
+
+
+def _prepare(connection: Connection) -> KnownIds:
+    with connection.begin():
+        add_deck_tables(connection)
+        session_rows.heal_sessions(connection)
+        return KnownIds.read(connection)
 
 
 def _change_links(
