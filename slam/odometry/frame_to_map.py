@@ -60,9 +60,7 @@ class FrameToMap:
             # Level from the start: the map's z points up, as grids and views expect.
             self._T_odom_base = frame.T_gravity_base
         rows = np.zeros(0, np.int32)
-        self._map.add_keyframe(
-            self._T_odom_base, features, rows, rows, frame.camera, frame=self._frame, max_size=params.OdomF2M.MaxSize
-        )
+        self._map.add_keyframe(self._T_odom_base, features, rows, rows, frame.camera, frame=self._frame, params=params)
         covariance = np.eye(6) * UNKNOWN_VARIANCE
         return Odometry(self._T_odom_base, covariance, features, 0, with_depth, True, None, _ms(start))
 
@@ -143,7 +141,7 @@ class FrameToMap:
                 feature_rows,
                 frame.camera,
                 frame=self._frame,
-                max_size=params.OdomF2M.MaxSize,
+                params=params,
             )
         # After a gap the motion covers several frames and predicts nothing.
         self._motion = between(self._T_odom_base, T_odom_base) if self._lost_frames == 0 else np.eye(4)
