@@ -2,6 +2,7 @@
 
 from slam.database.reader import MapReader
 from slam.database.records import JournalEntry, NodeRecord, WordRows
+from slam.database.removal import remove_map
 from slam.database.rows import (
     CandidateRow,
     LoopState,
@@ -30,4 +31,5 @@ __all__ = [
     "StatisticsTable",
     "UpdateRow",
     "WordRows",
+    "remove_map",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
@@ -19,20 +20,23 @@ T = TypeVar("T")
 
 #: Seconds to wait for a lock of SQLite's, which other connections hold for moments.
 BUSY_SECONDS = 10.0
-_COMING_AND_GOING_SECONDS = 0.5
+_COMING_AND_GOING_SECONDS = 1.0
+#: Held while a writer waits for this process's readers to end; no new ones begin.
+_GATE = threading.Lock()
 #: Bytes of a write-ahead log's header.
 _LOG_HEADER = 32
-_HEAL = "open it once for writing, which puts that right"
 
 
 def reading_engine(path: Path) -> Engine:
-    """Engine whose connections never change a byte of the file nor of its folder, and see a writer's last commit."""
+    """Engine whose connections never change a byte of the file or its log, and see a writer's last commit."""
     return _engine(lambda: _connect(path, _read_only_mode(path)), "BEGIN")
 
 
 @contextmanager
 def reading(engine: Engine) -> Iterator[Connection]:
     """A connection in a transaction: all that is read through it is of one commit."""
+    with _GATE:
+        pass
     with closing(_persist(lambda: _begun(engine), _COMING_AND_GOING_SECONDS)) as connection:
         yield connection
 
@@ -54,7 +58,19 @@ def open_for_writing(path: Path, check: Callable[[Connection], None]) -> Connect
 
     ``check`` looks at the file before anything of it is changed, and raises if it is not to be written.
     """
-    connection = _engine(lambda: _connect(path, "mode=rw"), "BEGIN IMMEDIATE").connect()
+    engine = _engine(lambda: _connect(path, "mode=rw"), "BEGIN IMMEDIATE")
+    try:
+        return _begin_writing(engine, check)
+    except OperationalError as error:
+        if "readonly" not in str(error.orig):
+            raise
+    # A thread of this process that is reading a killed writer's log holds the log's index in a way that bars writers.
+    with _GATE:
+        return _persist(lambda: _begin_writing(engine, check), _COMING_AND_GOING_SECONDS)
+
+
+def _begin_writing(engine: Engine, check: Callable[[Connection], None]) -> Connection:
+    connection = engine.connect()
     try:
         with connection.begin():
             check(connection)
@@ -69,7 +85,8 @@ def close_plainly(connection: Connection) -> None:
     """Close a writing connection and leave one plain file: the log is merged and gone."""
     try:
         # As for the header, so for the file this is journal_mode DELETE; in memory, for the reason below.
-        _persist(lambda: _driver(connection).execute("PRAGMA journal_mode=MEMORY"), BUSY_SECONDS)
+        with _GATE:
+            _persist(lambda: _driver(connection).execute("PRAGMA journal_mode=MEMORY"), BUSY_SECONDS)
     finally:
         connection.close()
 
@@ -137,8 +154,10 @@ def _read_only_mode(path: Path) -> str:
     """Options that let SQLite read without making or changing a file, whatever lies beside the map."""
     log, index = (path.with_name(path.name + end) for end in ("-wal", "-shm"))
     logged = log.stat().st_size if log.exists() else 0
+    # The log's index is missing (only the two others were copied, or a writer was killed as it closed): SQLite makes a
+    # new one, the only case in which a file appears; without it the log can't be read.
     if logged > _LOG_HEADER and not index.exists():
-        raise DatabaseError(f"its last changes are in {log.name}, whose index {index.name} is missing; {_HEAL}")
+        return "mode=ro"
     # Without a log (only the file was copied) or with one that holds nothing (its writer was killed when it had just
     # begun one), a file in WAL mode is complete. Opened plainly the first would get a log, the second would be refused.
     if logged == _LOG_HEADER or (not (log.exists() and index.exists()) and _is_write_ahead(path)):
@@ -158,7 +177,6 @@ _ADVICE = (
     ("malformed", "; the file is damaged or cut off: copy it again, or repair it with `sqlite3 FILE .recover`"),
     ("not a database", "; a map file of RTAB-Map or slamdeck is needed"),
     ("readonly", "; the file and its folder must be writable"),
-    ("rollback journal", f"; {_HEAL}"),
     ("unable to open", "; the file and its folder must be accessible"),
     ("locked", "; another program holds the file: close it first"),
     ("no such", "; the file does not have the tables of its version: it is damaged or not a map"),

@@ -8,6 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from slam.sensors.tour.face import Face, Plan
+from slam.sensors.tour.paint.canvas import STRIP_ROWS
 from slam.sensors.tour.rooms import DEPTH, HEIGHT, LAMPS, SILL, WIDTH, WINDOW_SIZE, WINDOWS
 
 #: Distance between points where the light is worked out, in metres.
@@ -44,11 +45,19 @@ class Light:
         _gather(points, normal, self._blocks, self._places, self._axes, self._colors, _hemisphere(normal), room, out)
         return out.reshape(rows, columns, 3).astype(np.float32)
 
-    def apply(self, face: Face, texture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """The texture as it looks in this light."""
-        size = (texture.shape[1], texture.shape[0])
-        light = cv2.resize(self.on(face), size, interpolation=cv2.INTER_LINEAR)
-        return np.asarray(np.clip(texture * light, 0, 255), np.uint8)
+    def shine(self, face: Face, texture: NDArray[np.uint8]) -> None:
+        """Make a face's texture (H, W, 3) look as it does in this light."""
+        coarse = self.on(face)
+        height, width = texture.shape[:2]
+        # First along the rows, then strip by strip: the light of a whole floor would take more memory than its texture.
+        wide = cv2.resize(coarse, (width, len(coarse)), interpolation=cv2.INTER_LINEAR)
+        at = np.clip((np.arange(height) + 0.5) * len(coarse) / height - 0.5, 0, len(coarse) - 1)
+        for first in range(0, height, STRIP_ROWS):
+            rows = slice(first, first + STRIP_ROWS)
+            low = np.minimum(at[rows].astype(int), len(coarse) - 2)
+            share = (at[rows] - low).astype(np.float32)[:, None, None]
+            light = wide[low] * (1 - share) + wide[low + 1] * share
+            texture[rows] = np.clip(texture[rows] * light, 0, 255).astype(np.uint8)
 
 
 def _hemisphere(normal: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -149,15 +149,54 @@ def test_a_file_copied_without_its_log_is_read_as_it_is(tmp_path: Path) -> None:
     assert state(tmp_path) == before
 
 
-def test_a_log_without_its_index_is_refused_until_it_is_healed(tmp_path: Path) -> None:
+def test_a_log_without_its_index_gets_one_and_nothing_else_changes(tmp_path: Path) -> None:
     path = killed_map(tmp_path / "map.db")
     path.with_name("map.db-shm").unlink()
     before = state(tmp_path)
-    with pytest.raises(DatabaseError, match="open it once for writing"):
-        MapReader(path)
+    assert len(MapReader(path).nodes()) == 3
+    after = state(tmp_path)
+    assert {name for name in after if name not in before} == {"map.db-shm"}
+    assert {name: after[name] for name in before} == before
+    assert len(MapReader(path).nodes()) == 3
+    assert state(tmp_path) == after
+
+
+def test_a_log_that_holds_nothing_yet_is_no_hindrance(tmp_path: Path) -> None:
+    """As a writer leaves it that is killed just when it has written the log's header."""
+    path = killed_map(tmp_path / "map.db")
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("PRAGMA wal_checkpoint")
+        log = path.with_name("map.db-wal").read_bytes()
+        index = path.with_name("map.db-shm").read_bytes()
+    (tmp_path / "map.db-wal").write_bytes(log[:32])
+    (tmp_path / "map.db-shm").write_bytes(index)
+    before = state(tmp_path)
+    assert len(MapReader(path).nodes()) == 3
     assert state(tmp_path) == before
     MapWriter.open(path).close()
     assert len(MapReader(path).nodes()) == 3
+
+
+def test_a_killed_file_is_healed_while_threads_of_the_process_read_it(tmp_path: Path) -> None:
+    path = killed_map(tmp_path / "map.db")
+    done, errors = threading.Event(), []
+
+    def read() -> None:
+        while not done.is_set():
+            try:
+                assert len(MapReader(path).nodes()) == 3
+            except (DatabaseError, AssertionError) as error:
+                errors.append(error)
+
+    threads = [threading.Thread(target=read) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    MapWriter.open(path).close()
+    done.set()
+    for thread in threads:
+        thread.join()
+    assert not errors
+    assert [item.name for item in tmp_path.iterdir()] == ["map.db"]
 
 
 @pytest.mark.skipif(os.name != "posix", reason="takes rights away as on POSIX")
