@@ -1,7 +1,7 @@
 // The page: three areas and a strip, put together once.
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
-import { h, html } from "./html.js";
+import { cx, h, html } from "./html.js";
 import { connect } from "./events.js";
 import { startKeys } from "./keys.js";
 import { Banners, Toasts } from "./parts/banner.js";
@@ -13,7 +13,7 @@ import { Splitter } from "./parts/splitter.js";
 import { Strip } from "./parts/strip.js";
 import { TopBar } from "./parts/topbar.js";
 import { remembered } from "./prefs.js";
-import { openMapId, route, startRouter } from "./router.js";
+import { route, startRouter } from "./router.js";
 import { startLanding } from "./landing.js";
 import { startPicking } from "./picking.js";
 import { startStore } from "./store.js";
@@ -38,11 +38,8 @@ function App() {
     ${h(TopBar, {})}${h(Banners, {})}
     <div class="work">
       ${h(Rail, {})}
-      <div class="middle">
-        ${h(SceneView, {})}${openMapId.value !== null && h(StripArea, {})}
-      </div>
-      ${h(Splitter, { label: "Width of the panel", orientation: "vertical", size: panelWidth, min: 380, max: () => innerWidth * 0.6 })}
-      <main class="panel" style=${{ width: `${panelWidth.value}px` }} aria-label=${view}>
+      ${map && h(Middle, {})}
+      <main class=${cx("panel", !map && "panel-alone")} style=${{ width: map ? `${panelWidth.value}px` : "auto" }} aria-label=${view}>
         ${h(VIEWS[view], { key: `${map}/${view}` })}
       </main>
     </div>
@@ -50,10 +47,15 @@ function App() {
   </div>`;
 }
 
-function StripArea() {
-  return html`<div class="strip-area" style=${{ height: `${stripHeight.value}px` }}>
-    ${h(Splitter, { label: "Height of the charts", orientation: "horizontal", size: stripHeight, min: 90, max: () => innerHeight * 0.5 })}
-    ${h(Strip, {})}
+/** The open map in 3D and its charts; without a map the list of maps has all the room. */
+function Middle() {
+  return html`<div class="middle">
+    ${h(SceneView, {})}
+    <div class="strip-area" style=${{ height: `${stripHeight.value}px` }}>
+      ${h(Splitter, { label: "Height of the charts", orientation: "horizontal", size: stripHeight, min: 90, max: () => innerHeight * 0.5 })}
+      ${h(Strip, {})}
+    </div>
+    ${h(Splitter, { label: "Width of the panel", orientation: "vertical", size: panelWidth, min: 380, max: () => innerWidth * 0.6 })}
   </div>`;
 }
 

@@ -12,15 +12,17 @@ import { toggleTheme } from "./theme.js";
 const MOST = 40;
 
 /**
- * Commands that hold every word of the query, those that start with it first.
+ * Commands that hold every word of the query, those that start with it first; ``map: lab`` looks among maps only.
  * @param {string} query
  * @returns {Command[]}
  */
 export function findCommands(query) {
-  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
+  const [, only, rest] = /^\s*(?:([a-z]+):)?(.*)$/.exec(query.toLowerCase()) ?? ["", undefined, ""];
+  const words = rest.split(/\s+/).filter(Boolean);
   const whole = words.join(" ");
   const rank = (/** @type {Command} */ one) => (one.label.toLowerCase().startsWith(whole) ? 0 : 1);
   const matching = everything().filter(({ kind, label, detail }) => {
+    if (only && kind !== only) return false;
     const all = `${kind} ${label} ${detail}`.toLowerCase();
     return words.every((word) => all.includes(word));
   });

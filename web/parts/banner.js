@@ -63,7 +63,7 @@ function EngineDead({ reason }) {
   return html`<div class="banner banner-bad" role="alert" id="engine-dead">
     ${h(Icon, { name: "warn" })}
     <span class="grow clip" title=${reason}
-      ><b>The engine stopped.</b> ${reason} The map is sound up to its last node; start a new run, or go on looking at it.</span
+      ><b>The engine stopped:</b> ${reason.replace(/\.$/, "")}. The map is sound up to its last node; start a new run, or go on looking.</span
     >
     <a class="button button-plain" href=${link({ view: "maps" })}>Start a run</a>
     ${h(Button, { icon: "close", hint: "Hide this message", onClick: () => (engineError.value = null) })}

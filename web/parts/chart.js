@@ -50,14 +50,20 @@ export function Chart(props) {
     return () => (observer.disconnect(), made.destroy());
   }, [shape]);
 
-  useEffect(() => plot.current?.setData(data(props), !zoomed), [props.revision, props.x, shape]);
-  useEffect(() => plot.current?.redraw(), [JSON.stringify([props.thresholds, props.marks?.length])]);
+  const guides = JSON.stringify([props.thresholds, props.marks?.length]);
+  useEffect(() => void (plot.current && feed(plot.current, props, zoomed)), [props.revision, props.x, shape, guides]);
   return html`<div class="chart" ref=${box} role="img" aria-label=${props.label}></div>`;
 }
 
 /** @param {ChartProps} props @returns {uPlot.AlignedData} */
 function data({ x, columns }) {
   return /** @type {uPlot.AlignedData} */ ([x, ...columns.map((column) => (column.length ? column : x.map(() => null)))]);
+}
+
+/** Keeps the part that somebody zoomed into. @param {uPlot} u @param {ChartProps} props @param {boolean} zoomed */
+function feed(u, props, zoomed) {
+  u.setData(data(props), !zoomed);
+  if (zoomed) u.redraw();
 }
 
 /** @param {HTMLElement} box */

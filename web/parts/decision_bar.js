@@ -37,8 +37,6 @@ export function DecisionBar({ from, to, state, type, onStep, onDecided }) {
     a: () => void (canApprove && run("approve")),
     r: () => void (canReject && run("reject")),
     u: () => void run("undo"),
-    j: () => onStep(1),
-    k: () => onStep(-1),
   });
   return html`<footer class="decisions">
     ${h(EffectLine, { busy })}

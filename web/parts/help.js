@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { h, html } from "../html.js";
+import { Button } from "./button.js";
 
 const KEYS = /** @type {[string, [string, string][]][]} */ ([
   ["Page", [["Ctrl K", "search or command"], ["1 … 5", "maps, nodes, loops, params, stats"], ["T", "light or dark"], ["?", "this list"]]],
@@ -32,7 +33,7 @@ function Dialog({ close }) {
     onClose=${close}
     onClick=${(/** @type {Event} */ event) => event.target === dialog.current && close()}
   >
-    <h2>Keyboard</h2>
+    <header><h2 class="grow">Keyboard</h2>${h(Button, { icon: "close", hint: "Close (Esc)", kind: "bare", onClick: close })}</header>
     <div class="help-groups">
       ${KEYS.map(
         ([group, keys]) => html`<section key=${group}>

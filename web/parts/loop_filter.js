@@ -25,9 +25,9 @@ export function LoopFilter({ filter, counts, onChange }) {
     const others = filter.states.filter((one) => one !== state);
     onChange({ ...filter, states: on ? [...others, state] : others });
   };
-  return html`<div class="filters" role="group" aria-label="Filter">
+  return html`<div class="view-tools filters" role="group" aria-label="Filter">
     ${STATES.filter(([state]) => counts[state] || filter.states.includes(state)).map(([state, label]) =>
-      h(Chip, { key: state, label, on: filter.states.includes(state), onChange: (on) => toggle(state, on) }),
+      h(Chip, { key: state, label: `${label} ${counts[state] ?? 0}`, on: filter.states.includes(state), onChange: (on) => toggle(state, on) }),
     )}
     <select
       class="chip"

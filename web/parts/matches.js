@@ -4,7 +4,7 @@ import { h, html } from "../html.js";
 import { address, get } from "../api.js";
 import { useKeys } from "../keys.js";
 import { remembered } from "../prefs.js";
-import { Button, Chip } from "./button.js";
+import { Chip } from "./button.js";
 import { Canvas, useImage } from "./canvas.js";
 import { Lightbox } from "./lightbox.js";
 import { useFetched } from "./use.js";
@@ -29,7 +29,7 @@ export function MatchPicture({ map, from, to }) {
   const inliers = matches?.inlier.filter(Boolean).length ?? 0;
   const picture = h(Pair, { map, from, to, matches });
   return html`<figure class="picture">
-    ${picture}
+    <button type="button" class="picture-large" title="Larger (E)" onClick=${() => setLarge(true)}>${picture}</button>
     <figcaption class="picture-bar">
       ${h(Chip, { label: `Inliers ${matches ? inliers : ""}`, on: showInliers.value, onChange: (on) => (showInliers.value = on) })}
       ${h(Chip, {
@@ -38,7 +38,6 @@ export function MatchPicture({ map, from, to }) {
         onChange: (on) => (showOutliers.value = on),
       })}
       <span class="grow quiet small clip">${error.value ? error.value.message : matches ? "matched anew for this view" : "matching…"}</span>
-      ${h(Button, { icon: "expand", kind: "bare", hint: "Larger (E)", onClick: () => setLarge(true) })}
     </figcaption>
     ${large && h(Lightbox, { title: `Link ${from} → ${to}`, close: () => setLarge(false), children: picture })}
   </figure>`;

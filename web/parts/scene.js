@@ -8,7 +8,6 @@ import { theme } from "../theme.js";
 import { Chip } from "./button.js";
 import { Legend } from "./legend.js";
 import { dress } from "./scene_theme.js";
-import { Empty } from "./state.js";
 
 /** @typedef {import("../store.js").Schemas["SceneLayers"]} Layers */
 
@@ -24,11 +23,7 @@ const COLOURS = ["memory", "session", "time", "weight"];
 
 export function SceneView() {
   const map = openMapId.value;
-  if (!map) {
-    return html`<section class="scene" aria-label="3D view">
-      ${h(Empty, { icon: "maps", title: "No map is open", children: "Choose one in the list on the right, or start a run there." })}
-    </section>`;
-  }
+  if (!map) return null;
   return html`<section class="scene" aria-label="3D view">
     ${h(Frame, { key: map, map })}
     <div class="scene-bar" role="toolbar" aria-label="Layers">${h(LayerChips, {})}</div>

@@ -15,7 +15,12 @@ export function StatPicker({ all, names, onChoose }) {
     class="picker"
     onFocusOut=${(/** @type {FocusEvent} */ { currentTarget, relatedTarget }) =>
       !(/** @type {Node} */ (currentTarget).contains(/** @type {Node | null} */ (relatedTarget))) && setOpen(false)}
-    onKeyDown=${(/** @type {KeyboardEvent} */ { key }) => key === "Escape" && setOpen(false)}
+    onKeyDown=${(/** @type {KeyboardEvent} */ event) => {
+      if (event.key !== "Escape") return;
+      // Else the field would clear itself, which opens the list again.
+      event.preventDefault();
+      setOpen(false);
+    }}
   >
     <input
       type="search"

@@ -71,7 +71,8 @@ function MemoryChart({ data, at, marks, onCursor }) {
     title: "Memory",
     value: "",
     notes: sizes.map(
-      ([label, name, token]) => html`<span key=${label} class=${`ink-${token}`}>${label} ${text.whole(valueAt(data, name, at))}</span>`,
+      ([label, name, token]) =>
+        html`<span key=${label}><i class=${`mark mark-dot ink-${token}`} aria-hidden="true"></i> ${label} ${text.whole(valueAt(data, name, at))}</span>`,
     ),
     lines: sizes.map(([label, , token]) => ({ label, token })),
     names: sizes.map(([, name]) => name),

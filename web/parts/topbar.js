@@ -27,7 +27,7 @@ export function TopBar() {
       class="button button-plain switcher"
       title="Switch to another map"
       aria-haspopup="dialog"
-      onClick=${() => openPalette("map ")}
+      onClick=${() => openPalette("map: ")}
     >
       <span class="clip">${openMapId.value ?? "No map open"}</span>${h(Icon, { name: "down" })}
     </button>

@@ -3,6 +3,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import { on } from "../events.js";
 import * as text from "../format.js";
+import { useKeys } from "../keys.js";
 import { LoopList } from "../loop_list.js";
 import { go, link, openMapId, route } from "../router.js";
 import { remembered } from "../prefs.js";
@@ -36,12 +37,13 @@ export function Loops() {
   const selected = rows.findIndex((row) => row.key === key || `${row.to}-${row.from}` === key);
   const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key });
   const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
+  useKeys({ j: () => step(1), k: () => step(-1) });
   const reload = () => list.pull({ all: true });
 
   return html`<div class="view view-loops">
     <div class="view-head">
       <h2>Loop closures</h2>
-      <span class="quiet grow clip">${countText(list.counts())}</span>
+      <span class="quiet grow">${list.byKey.size ? text.whole(list.byKey.size) : ""}</span>
       <nav class="tabs" aria-label="Loops">
         <a href=${link({ view: "loops", key })} aria-current=${journal ? undefined : "true"}>Queue</a>
         <a href=${link({ view: "loops", key, query: { tab: "journal" } })} aria-current=${journal ? "true" : undefined}>Journal</a>
@@ -52,8 +54,10 @@ export function Loops() {
   </div>`;
 
   function queue() {
-    return html`<div class="view-tools">${h(LoopFilter, { filter, counts: list.counts(), onChange: setFilter })}</div>
-      <div class="view-table">${queueTable()}</div>`;
+    return html`<div class="view-part">
+      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), onChange: setFilter })}
+      <div class="view-table">${queueTable()}</div>
+    </div>`;
   }
 
   function queueTable() {
@@ -82,13 +86,7 @@ function NoLoops() {
   return h(Empty, {
     icon: "loops",
     title: "No loop was looked at yet",
-    children: html`A loop is tried when the hypothesis reaches <b>Rtabmap/LoopThr</b> (${threshold} now) or when the path comes near itself.
+    children: html`A loop is tried when the hypothesis reaches <b>Rtabmap/LoopThr</b> (${threshold} now) or when the path comes near itself.${" "}
       <a href=${link({ view: "params", query: { q: "LoopThr" } })}>Change LoopThr</a>`,
   });
-}
-
-/** @param {Record<string, number>} counts */
-function countText(counts) {
-  const words = ["accepted", "refused", "approved", "rejected", "added"].filter((state) => counts[state]);
-  return words.map((state) => `${counts[state]} ${state === "added" ? "by hand" : state}`).join(" · ");
 }

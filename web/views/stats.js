@@ -83,7 +83,7 @@ function StatChart({ data, name, token, at, onCursor, onRemove }) {
     <figcaption>
       <b class="clip" title=${name}>${name}</b>
       <output>${text.short(column[row])}</output>
-      <span class="quiet small grow">at node ${data.ids[row] ?? text.NONE}</span>
+      <span class="quiet small">at ${data.ids[row] ?? text.NONE}</span>
       <span class="quiet small" title="Median and maximum over the map">med ${text.short(median(known))} · max ${text.short(largest(known))}</span>
       ${h(Button, { icon: "close", kind: "bare", hint: `Remove ${name}`, onClick: onRemove })}
     </figcaption>
