@@ -1,5 +1,6 @@
 // All that the command palette can find.
 import { command, setScene } from "./actions.js";
+import { address } from "./api.js";
 import * as text from "./format.js";
 import { showHelp } from "./parts/help.js";
 import { ENTRIES } from "./parts/rail.js";
@@ -40,7 +41,7 @@ function byNumber(query) {
 
 /** @returns {Command[]} */
 function everything() {
-  return [...viewCommands(), ...runCommands(), ...layerCommands(), ...mapCommands(), ...parameterCommands(), ...pageCommands()];
+  return [...viewCommands(), ...runCommands(), ...layerCommands(), ...mapCommands(), ...parameterCommands(), ...exportCommands(), ...pageCommands()];
 }
 
 /** @returns {Command[]} */
@@ -93,6 +94,18 @@ function parameterCommands() {
     label: name,
     detail: `${value} ${unit}`.trim(),
     run: () => go({ view: "params", query: { q: name } }),
+  }));
+}
+
+/** @returns {Command[]} */
+function exportCommands() {
+  const map = openMapId.value;
+  if (!map) return [];
+  return ["tum", "kitti", "g2o"].map((format) => ({
+    kind: "export",
+    label: `Export poses as ${format}`,
+    detail: map,
+    run: () => location.assign(`${address("api", "maps", map, "export", "poses")}?format=${format}`),
   }));
 }
 

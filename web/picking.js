@@ -17,6 +17,8 @@ export function startPicking() {
 
 /** @param {Picked} picked a click in the 3D view */
 function show({ kind, ids }) {
+  // The keys of the inspector work at once, without a click into the page.
+  if (document.activeElement instanceof HTMLIFrameElement) document.activeElement.blur();
   if (kind === "node") go({ view: "nodes", key: ids[0], query: Object.fromEntries(route.value.query) });
   else go({ view: "loops", key: ids.join("-") });
 }

@@ -4,6 +4,7 @@ import { cx, h, html } from "../html.js";
 import { setParameters } from "../actions.js";
 import { Button } from "./button.js";
 import { Badge } from "./facts.js";
+import { Foresight } from "./foresight.js";
 import { sliderRange } from "./slider_range.js";
 
 /** @typedef {import("../store.js").Schemas["Parameter"]} ParameterEntry */
@@ -40,6 +41,7 @@ export function Parameter({ entry, live }) {
       </output>
     </div>
     ${h(Control, { entry, value: shown, disabled: locked, onChange: change })}
+    ${live && h(Foresight, { parameter: name, draft: Number(shown), inForce: Number(value) })}
     <p class="quiet small">${meaning} <span class="param-limits">${limits(entry)}</span></p>
   </div>`;
 }

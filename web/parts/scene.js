@@ -1,13 +1,11 @@
 // The 3D view: an iframe that stays while views come and go, layer chips above it, a legend below.
 import { h, html } from "../html.js";
 import { setScene } from "../actions.js";
-import { address } from "../api.js";
 import { openMapId } from "../router.js";
 import { info, scene } from "../store.js";
-import { theme } from "../theme.js";
 import { Chip } from "./button.js";
 import { Legend } from "./legend.js";
-import { dress } from "./scene_theme.js";
+import { SceneFrame } from "./scene_frame.js";
 
 /** @typedef {import("../store.js").Schemas["SceneLayers"]} Layers */
 
@@ -25,22 +23,10 @@ export function SceneView() {
   const map = openMapId.value;
   if (!map) return null;
   return html`<section class="scene" aria-label="3D view">
-    ${h(Frame, { key: map, map })}
+    ${h(SceneFrame, { key: map, map })}
     <div class="scene-bar" role="toolbar" aria-label="Layers">${h(LayerChips, {})}</div>
     ${h(Legend, {})}
   </section>`;
-}
-
-/** @param {{key: string, map: string}} props */
-function Frame({ map }) {
-  const dark = theme.value === "dark";
-  return html`<iframe
-    class="scene-frame"
-    title=${`3D view of ${map}`}
-    src=${`${address("viser", map)}/?hideViserLogo`}
-    ref=${(/** @type {HTMLIFrameElement | null} */ frame) => frame && dress(frame, dark)}
-    onLoad=${(/** @type {{currentTarget: HTMLIFrameElement}} */ { currentTarget }) => dress(currentTarget, dark)}
-  ></iframe>`;
 }
 
 function LayerChips() {
