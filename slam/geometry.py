@@ -25,6 +25,14 @@ def inverse(T_a_b: Pose) -> Pose:
     return T_b_a
 
 
+def normalized(T_a_b: Pose) -> Pose:
+    """The pose with its rotation made orthonormal again.
+
+    ``inverse`` transposes, so that a pose predicted from earlier poses doubles any departure at each step.
+    """
+    return from_quat_xyzw(to_quat_xyzw(T_a_b), T_a_b[:3, 3])
+
+
 def between(T_m_a: Pose, T_m_b: Pose) -> Pose:
     """``T_a_b`` of two poses in a common frame m."""
     return inverse(T_m_a) @ T_m_b

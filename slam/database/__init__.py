@@ -1,0 +1,33 @@
+"""The map file: RTAB-Map's SQLite schema with slamdeck's own tables beside it; the only place that speaks SQL."""
+
+from slam.database.reader import MapReader
+from slam.database.records import JournalEntry, NodeRecord, WordRows
+from slam.database.rows import (
+    CandidateRow,
+    LoopState,
+    MapInfo,
+    NodeRow,
+    NodeTable,
+    ParameterChange,
+    SessionRow,
+    StatisticsTable,
+    UpdateRow,
+)
+from slam.database.writer import MapWriter
+
+__all__ = [
+    "CandidateRow",
+    "JournalEntry",
+    "LoopState",
+    "MapInfo",
+    "MapReader",
+    "MapWriter",
+    "NodeRecord",
+    "NodeRow",
+    "NodeTable",
+    "ParameterChange",
+    "SessionRow",
+    "StatisticsTable",
+    "UpdateRow",
+    "WordRows",
+]

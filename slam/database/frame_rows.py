@@ -1,0 +1,50 @@
+"""Rows of deck_frame: the pose of every frame, hung on the last node before it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from sqlalchemy import Connection, select
+
+from slam.database.blobs import pack_pose, unpack_pose
+from slam.database.deck_tables import frame
+from slam.database.insertion import insert_rows
+from slam.types import TrackedFrame
+
+_COLUMNS = tuple(c for c in frame.c.keys() if c != "id")  # noqa: SIM118 (columns, not a dictionary)
+
+
+def insert_frames(connection: Connection, map_id: int, frames: Iterable[TrackedFrame]) -> None:
+    """Add tracked frames of a session."""
+    rows = [
+        (
+            map_id,
+            item.index,
+            item.stamp,
+            item.node_id,
+            pack_pose(item.T_node_base),
+            pack_pose(item.T_world_base),
+            item.inliers,
+            item.odometry_ms,
+            item.lost,
+        )
+        for item in frames
+    ]
+    insert_rows(connection, frame, _COLUMNS, rows)
+
+
+def read_frames(connection: Connection) -> list[TrackedFrame]:
+    """All tracked frames, in the order of time."""
+    return [
+        TrackedFrame(
+            index=row.frame_index,
+            stamp=row.stamp,
+            node_id=row.node_id,
+            T_node_base=unpack_pose(row.T_node_base),
+            T_world_base=unpack_pose(row.T_world_base),
+            inliers=row.inliers,
+            odometry_ms=row.odometry_ms,
+            lost=row.lost,
+        )
+        for row in connection.execute(select(frame).order_by(frame.c.id))
+    ]

@@ -1,0 +1,107 @@
+"""Rows of deck_journal: people's decisions, only ever added; an entry that undoes another says so."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+from sqlalchemy import Connection, Row, insert, select
+
+from slam.database.blobs import pack_information, pack_pose, unpack_information, unpack_pose
+from slam.database.deck_tables import journal
+from slam.database.records import JournalEntry
+from slam.errors import DatabaseError
+from slam.types import Link, LinkType
+
+#: Decisions, and the actions that take one of them (or an undo) back.
+DECISIONS = ("approve", "reject", "add")
+_TAKES_BACK = {"undo": DECISIONS, "redo": ("undo",)}
+
+
+def append_entry(connection: Connection, entry: JournalEntry) -> int:
+    """Add an entry; its number. An undo or redo without ``undoes`` takes back the last entry of its pair that stands.
+
+    Raises:
+        DatabaseError: the action is unknown, or there is nothing to take back.
+    """
+    if entry.action not in (*DECISIONS, *_TAKES_BACK):
+        raise DatabaseError(f"decision {entry.action!r} is unknown: approve, reject, add, undo and redo are known")
+    undoes = entry.undoes
+    if entry.action in _TAKES_BACK and undoes is None:
+        undoes = _last_standing(connection, entry)
+    row = insert(journal).values(
+        time=entry.time or time.time(),
+        author=entry.author,
+        action=entry.action,
+        from_id=entry.from_id,
+        to_id=entry.to_id,
+        note=entry.note,
+        undoes=undoes,
+        chi2_before=entry.chi2_before,
+        chi2_after=entry.chi2_after,
+        moved=entry.moved,
+        max_shift_m=entry.max_shift_m,
+        **_link_values("before", entry.link_before),
+        **_link_values("after", entry.link_after),
+    )
+    (number,) = connection.execute(row.returning(journal.c.id)).one()
+    return int(number)
+
+
+def read_journal(connection: Connection) -> list[JournalEntry]:
+    """All entries, oldest first. An entry is undone while an entry that takes it back stands itself."""
+    entries = [_entry(row) for row in connection.execute(select(journal).order_by(journal.c.id))]
+    undone_by: dict[int, int] = {}
+    for entry in reversed(entries):
+        if entry.undoes is not None and entry.id not in undone_by:
+            undone_by[entry.undoes] = entry.id
+    return [replace(entry, undone_by=undone_by.get(entry.id)) for entry in entries]
+
+
+def read_standing(connection: Connection) -> list[JournalEntry]:
+    """The decisions that stand, oldest first: neither undone nor entries that undo."""
+    return [entry for entry in read_journal(connection) if entry.action in DECISIONS and entry.undone_by is None]
+
+
+def _last_standing(connection: Connection, entry: JournalEntry) -> int:
+    actions = _TAKES_BACK[entry.action]
+    for earlier in reversed(read_journal(connection)):
+        if earlier.pair == entry.pair and earlier.action in actions and earlier.undone_by is None:
+            return earlier.id
+    raise DatabaseError(f"nothing to {entry.action} about link {entry.from_id}-{entry.to_id}: no such entry stands")
+
+
+def _link_values(when: str, item: Link | None) -> dict[str, Any]:
+    if item is None:
+        return {}
+    return {
+        f"type_{when}": int(item.type),
+        f"transform_{when}": pack_pose(item.T_from_to),
+        f"information_{when}": pack_information(item.information),
+    }
+
+
+def _entry(row: Row[Any]) -> JournalEntry:
+    return JournalEntry(
+        id=row.id,
+        time=row.time,
+        author=row.author,
+        action=row.action,
+        from_id=row.from_id,
+        to_id=row.to_id,
+        link_before=_link(row, row.type_before, row.transform_before, row.information_before),
+        link_after=_link(row, row.type_after, row.transform_after, row.information_after),
+        note=row.note,
+        undoes=row.undoes,
+        chi2_before=row.chi2_before,
+        chi2_after=row.chi2_after,
+        moved=row.moved,
+        max_shift_m=row.max_shift_m,
+    )
+
+
+def _link(row: Row[Any], kind: int | None, transform: bytes | None, information: bytes | None) -> Link | None:
+    if kind is None:
+        return None
+    return Link(row.from_id, row.to_id, LinkType(kind), unpack_pose(transform), unpack_information(information))

@@ -1,0 +1,94 @@
+"""Rows of the table Link: each link in both directions, as RTAB-Map keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from sqlalchemy import Connection, delete, select, text
+
+from slam.database.blobs import pack_information, pack_transform, unpack_information, unpack_transform
+from slam.database.insertion import insert_rows
+from slam.database.tables import link
+from slam.errors import DatabaseError
+from slam.geometry import inverse
+from slam.types import Link, LinkType
+
+_COLUMNS = ("from_id", "to_id", "type", "information_matrix", "transform")
+_SELF = (LinkType.POSE_PRIOR, LinkType.GRAVITY)
+
+
+def merged_marker(from_id: int, to_id: int) -> Link:
+    """The link that says that node ``from_id`` was merged into ``to_id``: no transform, identity information."""
+    return Link(from_id, to_id, LinkType.GLOBAL_CLOSURE, None, np.eye(6))
+
+
+def insert_link(connection: Connection, item: Link) -> None:
+    """Add a link, with its reverse where it has one; the reverse keeps the same information matrix.
+
+    Raises:
+        DatabaseError: there is one between these nodes already, or RTAB-Map would refuse to load it.
+    """
+    _check(item)
+    if _rows_between(connection, item.from_id, item.to_id, item.type):
+        raise DatabaseError(
+            f"link {item.from_id}-{item.to_id} exists already: remove it first, two nodes have one link at most"
+        )
+    information = pack_information(item.information)
+    rows = [(item.from_id, item.to_id, int(item.type), information, pack_transform(item.T_from_to))]
+    if item.T_from_to is not None and item.from_id != item.to_id and item.to_id > 0:
+        rows.append((item.to_id, item.from_id, int(item.type), information, pack_transform(inverse(item.T_from_to))))
+    insert_rows(connection, link, _COLUMNS, rows)
+
+
+def remove_link(connection: Connection, from_id: int, to_id: int) -> None:
+    """Remove the link between two nodes, in both directions; DatabaseError when there is none."""
+    pairs = [(from_id, to_id), (to_id, from_id)]
+    removed = sum(
+        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b))).rowcount for a, b in pairs
+    )
+    if not removed:
+        raise DatabaseError(f"link {from_id}-{to_id} can't be removed: the map has none between these nodes")
+
+
+def read_links(connection: Connection) -> list[Link]:
+    """All links, each pair once and from the newer node to the older where the file has that direction.
+
+    Missing reverse rows and duplicates, which files of killed programs have, are tolerated: the last row counts.
+    """
+    query = select(link.c.from_id, link.c.to_id, link.c.type, link.c.information_matrix, link.c.transform)
+    found: dict[tuple[int, int, bool], tuple[int, int, int, bytes, bytes | None]] = {}
+    for from_id, to_id, *rest in connection.execute(query.order_by(text("rowid"))):
+        # A node may have a prior and gravity, both links to itself.
+        key = (min(from_id, to_id), max(from_id, to_id), rest[0] == LinkType.GRAVITY)
+        if key not in found or found[key][0] <= found[key][1] or from_id > to_id:
+            found[key] = (from_id, to_id, *rest)
+    return [_link(*found[key]) for key in sorted(found)]
+
+
+def _check(item: Link) -> None:
+    name = f"link {item.from_id}-{item.to_id} ({item.type.label})"
+    if item.type == LinkType.VIRTUAL_CLOSURE:
+        raise DatabaseError(f"{name} can't be stored: virtual links are never saved")
+    if (item.from_id == item.to_id) != (item.type in _SELF):
+        raise DatabaseError(f"{name} can't be stored: links of a node to itself are priors and gravity, and only those")
+    if (item.to_id < 0) != (item.type == LinkType.LANDMARK):
+        raise DatabaseError(f"{name} can't be stored: landmarks, and only those, have negative ids")
+    if item.T_from_to is not None and not np.all(np.isfinite(item.T_from_to)):
+        raise DatabaseError(f"{name} can't be stored: its transform is not finite")
+
+
+def _rows_between(connection: Connection, from_id: int, to_id: int, kind: LinkType) -> Iterable[int]:
+    pair = ((link.c.from_id == from_id) & (link.c.to_id == to_id)) | (
+        (link.c.from_id == to_id) & (link.c.to_id == from_id)
+    )
+    if from_id == to_id:
+        pair = pair & (link.c.type == int(kind))
+    return connection.scalars(select(link.c.type).where(pair)).all()
+
+
+def _link(from_id: int, to_id: int, kind: int, information: bytes | None, transform: bytes | None) -> Link:
+    try:
+        return Link(from_id, to_id, LinkType(kind), unpack_transform(transform), unpack_information(information))
+    except ValueError as error:
+        raise DatabaseError(f"link {from_id}-{to_id} has type {kind}, which RTAB-Map does not know") from error

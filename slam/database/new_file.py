@@ -1,0 +1,37 @@
+"""Making an empty map file, whole or not at all."""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+from sqlalchemy import NullPool, create_engine
+
+from slam.database.connection import refusing
+from slam.database.schema import create_schema
+from slam.errors import DatabaseError
+
+
+def create_file(path: Path) -> None:
+    """Create a map file without nodes; it appears under its name only when it is complete.
+
+    Raises:
+        DatabaseError: the file exists, or can't be made there.
+    """
+    if path.exists():
+        raise DatabaseError(f"{path} exists already: choose another name, or open it to go on with it")
+    unfinished = path.with_name(path.name + ".new")
+    with refusing(path, "creating the map"):
+        # A log left over from a deleted file of this name would be taken for the new file's own.
+        for leftover in (unfinished, *(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal"))):
+            leftover.unlink(missing_ok=True)
+        _fill(unfinished)
+        unfinished.rename(path)
+
+
+def _fill(path: Path) -> None:
+    engine = create_engine("sqlite://", creator=lambda: sqlite3.connect(path), poolclass=NullPool)
+    with closing(engine.connect()) as connection:
+        create_schema(connection)
+        connection.commit()

@@ -1,0 +1,238 @@
+"""Reading a map file without changing a byte of it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import Connection
+
+from slam.camera import Camera
+from slam.database import admin_rows, data_rows, node_rows, statistics_rows, update_rows
+from slam.database.candidate_rows import read_candidates
+from slam.database.connection import reading, reading_engine, refusing
+from slam.database.feature_rows import read_features
+from slam.database.file_check import check_file, check_version
+from slam.database.frame_rows import read_frames
+from slam.database.images import decode_color, decode_depth
+from slam.database.info import read_info
+from slam.database.journal_rows import read_journal
+from slam.database.link_rows import read_links
+from slam.database.parameter_rows import read_parameter_changes, read_parameters
+from slam.database.records import JournalEntry, WordRows
+from slam.database.rows import (
+    CandidateRow,
+    MapInfo,
+    NodeRow,
+    NodeTable,
+    ParameterChange,
+    SessionRow,
+    StatisticsTable,
+    UpdateRow,
+)
+from slam.database.schema import has_deck_tables
+from slam.database.session_rows import read_sessions
+from slam.database.tables import data
+from slam.database.time_enter import read_memory_ids
+from slam.database.word_rows import read_words
+from slam.errors import DatabaseError
+from slam.geometry import Pose
+from slam.types import Features, Link, LocalGrid, OccupancyGrid, Posterior, TrackedFrame
+
+_KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration}
+
+
+class MapReader:
+    """Reads a map file of slamdeck or of RTAB-Map 0.18 to 0.23.
+
+    Each call opens and closes its own connection: calls may come from any thread, each sees the last commit of a writer
+    that is at work, and neither the file nor its folder is changed. What slamdeck alone records (updates, candidates,
+    frames, decisions) is empty for files that RTAB-Map wrote. Poses are (4, 4), lengths metres, stamps seconds.
+
+    Raises (also every method):
+        DatabaseError: the file is missing, not a map, of a version that is not known, damaged; or a node asked for, or
+            the data of it, does not exist.
+    """
+
+    def __init__(self, path: Path) -> None:
+        check_file(path)
+        self.path = path
+        self._engine = reading_engine(path)
+        with self._reading("opening") as connection:
+            check_version(admin_rows.read_version(connection))
+
+    def info(self, *, sizes: bool = True) -> MapInfo:
+        """Summary of the map; without ``sizes`` (bytes by kind) it is fast for any size of map."""
+        with self._reading("reading the summary") as connection:
+            return read_info(connection, self.path, deck=has_deck_tables(connection), sizes=sizes)
+
+    def node_ids(self) -> NDArray[np.int32]:
+        """Ascending ids of all nodes, merged and dropped ones (weight -9) included."""
+        with self._reading("reading the nodes") as connection:
+            return np.array(sorted(node_rows.read_node_ids(connection)), dtype=np.int32)
+
+    def nodes_with(self, kind: Literal["image", "depth", "calibration"]) -> NDArray[np.int32]:
+        """Ascending ids of the nodes that have data of a kind."""
+        with self._reading("reading the nodes") as connection:
+            return data_rows.read_ids_with(connection, _KINDS[kind])
+
+    def nodes(self) -> NodeTable:
+        """All nodes as columns; none of their data."""
+        with self._reading("reading the nodes") as connection:
+            return node_rows.read_nodes(connection)
+
+    def node(self, node_id: int) -> NodeRow:
+        """One node in full, but for images and key points."""
+        with self._reading(f"reading node {node_id}") as connection:
+            return node_rows.read_node(connection, node_id)
+
+    def links(self) -> list[Link]:
+        """All links, each pair once, from the newer node to the older."""
+        with self._reading("reading the links") as connection:
+            return read_links(connection)
+
+    def poses(self) -> dict[int, Pose]:
+        """Optimised poses T_map_base by node id; empty when none are stored."""
+        with self._reading("reading the poses") as connection:
+            return admin_rows.read_poses(connection)
+
+    def last_pose(self) -> Pose | None:
+        """Where the robot was last, T_map_base; None when it is not stored."""
+        with self._reading("reading the last pose") as connection:
+            return admin_rows.read_last(connection)
+
+    def grid(self) -> OccupancyGrid | None:
+        """The global grid; None when none is stored."""
+        with self._reading("reading the grid") as connection:
+            return admin_rows.read_grid(connection)
+
+    def trajectory(self) -> list[TrackedFrame]:
+        """All tracked frames in the order of time."""
+        with self._deck("reading the trajectory") as connection:
+            return read_frames(connection) if connection else []
+
+    def image(self, node_id: int) -> bytes:
+        """The colour image as stored (JPEG or PNG)."""
+        with self._reading(f"reading the image of node {node_id}") as connection:
+            return data_rows.read_image(connection, node_id)
+
+    def image_bgr(self, node_id: int) -> NDArray[np.uint8]:
+        """The colour image (H, W, 3), blue green red."""
+        blob = self.image(node_id)
+        with _about(self.path, node_id):
+            return decode_color(blob)
+
+    def depth(self, node_id: int) -> bytes:
+        """The depth image as stored (RVL or PNG)."""
+        with self._reading(f"reading the depth of node {node_id}") as connection:
+            return data_rows.read_depth(connection, node_id)
+
+    def depth_m(self, node_id: int) -> NDArray[np.float32]:
+        """The depth image (H, W) in metres, 0 where unknown."""
+        blob = self.depth(node_id)
+        with _about(self.path, node_id):
+            return decode_depth(blob)
+
+    def camera(self, node_id: int) -> Camera:
+        """The first camera of a node."""
+        return self.cameras(node_id)[0]
+
+    def cameras(self, node_id: int) -> tuple[Camera, ...]:
+        """All cameras of a node; the image has one tile for each, left to right."""
+        with self._reading(f"reading the calibration of node {node_id}") as connection:
+            return data_rows.read_cameras(connection, node_id)
+
+    def features(self, node_id: int) -> tuple[Features, NDArray[np.int32]]:
+        """Key points of a node, in the order they were written, and their word ids (N,)."""
+        with self._reading(f"reading the key points of node {node_id}") as connection:
+            return read_features(connection, node_id)
+
+    def words(self, ids: Sequence[int] | None = None) -> WordRows:
+        """The whole dictionary, or those of these words that it has; ascending by id."""
+        with self._reading("reading the dictionary") as connection:
+            return read_words(connection, ids)
+
+    def local_grid(self, node_id: int) -> LocalGrid | None:
+        """The local grid of a node; None when it has none."""
+        with self._reading(f"reading the local grid of node {node_id}") as connection:
+            return data_rows.read_local_grid(connection, node_id)
+
+    def statistics(
+        self, ids: Collection[int] | None = None, names: Sequence[str] | None = None, *, after: int = 0
+    ) -> StatisticsTable:
+        """Statistics as columns: of the updates ``ids`` (all), those after a node, by ``names`` (all)."""
+        with self._reading("reading the statistics") as connection:
+            return statistics_rows.read_statistics(connection, ids, names, after)
+
+    def statistic_names(self) -> list[str]:
+        """All names, sorted."""
+        return sorted(self.statistics().values)
+
+    def wm_states(self, after: int = 0) -> dict[int, NDArray[np.int32]]:
+        """Ids in short-term and working memory at each update after a node, where they were kept."""
+        with self._reading("reading the working memory") as connection:
+            return statistics_rows.read_wm_states(connection, after)
+
+    def memory_ids(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Ascending ids of the nodes and of the words that RTAB-Map would load into working memory."""
+        with self._reading("reading the working memory") as connection:
+            return read_memory_ids(connection)
+
+    def updates(self, after: int = 0) -> list[UpdateRow]:
+        """The updates after a node, ascending."""
+        with self._deck("reading the updates") as connection:
+            return update_rows.read_updates(connection, after) if connection else []
+
+    def hypotheses(self, update_id: int) -> Posterior | None:
+        """The best places of an update's belief and the virtual place; None where it had none."""
+        with self._deck(f"reading the hypotheses of update {update_id}") as connection:
+            return update_rows.read_belief(connection, update_id) if connection else None
+
+    def candidates(self, after: int = 0) -> list[CandidateRow]:
+        """The loop closures that were looked at, after a candidate's number, ascending."""
+        with self._deck("reading the candidates") as connection:
+            return read_candidates(connection, after) if connection else []
+
+    def journal(self) -> list[JournalEntry]:
+        """People's decisions, oldest first."""
+        with self._deck("reading the journal") as connection:
+            return read_journal(connection) if connection else []
+
+    def parameters(self) -> dict[str, str]:
+        """Parameters of the newest session, as text by name."""
+        with self._reading("reading the parameters") as connection:
+            return read_parameters(connection)
+
+    def parameter_changes(self) -> list[ParameterChange]:
+        """Parameters changed while an engine ran, oldest first."""
+        with self._deck("reading the parameter changes") as connection:
+            return read_parameter_changes(connection) if connection else []
+
+    def sessions(self) -> list[SessionRow]:
+        """All sessions by number."""
+        with self._reading("reading the sessions") as connection:
+            return read_sessions(connection, deck=has_deck_tables(connection))
+
+    @contextmanager
+    def _reading(self, doing: str) -> Iterator[Connection]:
+        check_file(self.path)
+        with refusing(self.path, doing), reading(self._engine) as connection:
+            yield connection
+
+    @contextmanager
+    def _deck(self, doing: str) -> Iterator[Connection | None]:
+        with self._reading(doing) as connection:
+            yield connection if has_deck_tables(connection) else None
+
+
+@contextmanager
+def _about(path: Path, node_id: int) -> Iterator[None]:
+    """Say in an error which node of which file it is about."""
+    try:
+        yield
+    except DatabaseError as error:
+        raise DatabaseError(f"{path}, node {node_id}: {error}") from error

@@ -1,0 +1,111 @@
+"""What is handed to the writer: one node with all that its update changed, and one decision."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.geometry import Pose
+from slam.types import Link, LocalGrid, Node, OccupancyGrid, TrackedFrame, Update
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WordRows:
+    """Words of the dictionary: ``ids`` (W,) int32, positive; ``descriptors`` (W, B) uint8."""
+
+    ids: NDArray[np.int32]
+    descriptors: NDArray[np.uint8]
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    @classmethod
+    def none(cls) -> WordRows:
+        """No words."""
+        return cls(np.zeros(0, dtype=np.int32), np.zeros((0, 0), dtype=np.uint8))
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class NodeRecord:
+    """One node and all that its update changed; written in one transaction.
+
+    Attributes:
+        node: the node, with its final weight.
+        image_bgr: (H, W, 3) uint8, None when the image is not kept.
+        depth_m: (H, W) float32 metres, None when there is no depth.
+        links: new links of this and older nodes, each once; stored in both directions.
+        removed_links: pairs of ids whose link goes.
+        words: new words of the dictionary.
+        grid: local grid of the node.
+        statistics: RTAB-Map's names and values.
+        wm_ids: ids in short-term and working memory, None when they are not kept.
+        weights: changed weights of older nodes.
+        update: what the update did: hypotheses, candidates, tiers.
+        frames: the frames tracked since the last node.
+        poses: all optimised poses T_map_base by node id.
+        merged_into: the node that this one was merged into by rehearsal.
+        grid_map: the global grid, where it was made anew; None leaves the stored one.
+    """
+
+    node: Node
+    update: Update
+    image_bgr: NDArray[np.uint8] | None = None
+    depth_m: NDArray[np.float32] | None = None
+    links: tuple[Link, ...] = ()
+    removed_links: tuple[tuple[int, int], ...] = ()
+    words: WordRows = field(default_factory=WordRows.none)
+    grid: LocalGrid | None = None
+    statistics: Mapping[str, float] = field(default_factory=dict)
+    wm_ids: tuple[int, ...] | None = None
+    weights: Mapping[int, int] = field(default_factory=dict)
+    frames: tuple[TrackedFrame, ...] = ()
+    poses: Mapping[int, Pose] = field(default_factory=dict)
+    merged_into: int | None = None
+    grid_map: OccupancyGrid | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class JournalEntry:
+    """One decision of a person, with the link before and after, so that it can be undone and attributed.
+
+    Attributes:
+        id: running number, given by the file; 0 before it is written.
+        time: Unix seconds.
+        author: who decided.
+        action: ``approve``, ``reject``, ``add``, ``undo`` or ``redo``.
+        from_id: node id.
+        to_id: node id.
+        link_before: the link before the decision, None when there was none.
+        link_after: the link after it, None when there is none.
+        note: free text.
+        undone_by: id of the entry that undid this one, None while it stands; worked out on reading.
+        undoes: id of the entry that this one takes back.
+        chi2_before: error of the graph before, None when it was not optimised.
+        chi2_after: error of the graph after.
+        moved: number of poses that moved.
+        max_shift_m: the farthest that one moved, metres.
+    """
+
+    action: str
+    from_id: int
+    to_id: int
+    id: int = 0
+    time: float = 0.0
+    author: str = ""
+    link_before: Link | None = None
+    link_after: Link | None = None
+    note: str = ""
+    undone_by: int | None = None
+    undoes: int | None = None
+    chi2_before: float | None = None
+    chi2_after: float | None = None
+    moved: int = 0
+    max_shift_m: float = 0.0
+
+    @property
+    def pair(self) -> tuple[int, int]:
+        """Both ids, smaller first."""
+        return min(self.from_id, self.to_id), max(self.from_id, self.to_id)

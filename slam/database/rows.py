@@ -1,0 +1,233 @@
+"""What the reader hands out: frozen rows and columns of a map file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.geometry import Pose
+from slam.types import Candidate, Tier
+
+
+@dataclass(frozen=True, slots=True)
+class MapInfo:
+    """What ``slamdeck info`` says of a map file.
+
+    Attributes:
+        path: the file.
+        version: of RTAB-Map's schema.
+        sessions: number of sessions.
+        nodes: nodes of the map; merged and dropped ones (weight -9) are not counted.
+        dropped: those merged and dropped nodes that are kept in the file.
+        links: number of links by type name, each pair once.
+        words: words of the dictionary.
+        features: key points stored.
+        size_bytes: of the file and its log.
+        bytes_by_kind: bytes of the content by kind (``image``, ``depth``, ...); empty when it was not asked for.
+        parameters: stored parameters that differ from the defaults.
+        seeds: one for each session that slamdeck wrote.
+        sources: likewise.
+        clean: whether the last session was closed in order.
+        has_poses: whether optimised poses are stored.
+        first_stamp: of the first node, seconds; None for an empty map.
+        last_stamp: of the last node.
+    """
+
+    path: Path
+    version: str
+    sessions: int
+    nodes: int
+    dropped: int
+    links: Mapping[str, int]
+    words: int
+    features: int
+    size_bytes: int
+    bytes_by_kind: Mapping[str, int]
+    parameters: Mapping[str, str]
+    seeds: tuple[int, ...]
+    sources: tuple[str, ...]
+    clean: bool
+    has_poses: bool
+    first_stamp: float | None
+    last_stamp: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NodeTable:
+    """The nodes of a map as columns, ascending by id.
+
+    Attributes:
+        ids: (N,) int32.
+        map_ids: (N,) int32 session numbers.
+        weights: (N,) int32; -9 for merged and dropped nodes.
+        stamps: (N,) seconds.
+        T_odom: (N, 4, 4) odometry poses T_odom_base, NaN where unknown.
+        T_world: (N, 4, 4) ground truth T_world_base, NaN where unknown.
+        labels: text or None.
+    """
+
+    ids: NDArray[np.int32]
+    map_ids: NDArray[np.int32]
+    weights: NDArray[np.int32]
+    stamps: NDArray[np.float64]
+    T_odom: NDArray[np.float64]
+    T_world: NDArray[np.float64]
+    labels: tuple[str | None, ...]
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NodeRow:
+    """One node in full, but for its images and key points.
+
+    Attributes:
+        id: node id.
+        map_id: session number.
+        weight: -9 for a merged or dropped node.
+        stamp: seconds.
+        label: text or None.
+        T_odom_base: odometry pose, None where unknown.
+        T_world_base: ground truth, None where unknown.
+        features: number of key points.
+        words: number of those that are words of the dictionary.
+        image_bytes: size of the stored image, 0 when there is none.
+        depth_bytes: size of the stored depth image, 0 when there is none.
+        has_grid: whether a local grid is stored.
+    """
+
+    id: int
+    map_id: int
+    weight: int
+    stamp: float
+    label: str | None
+    T_odom_base: Pose | None
+    T_world_base: Pose | None
+    features: int
+    words: int
+    image_bytes: int
+    depth_bytes: int
+    has_grid: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SessionRow:
+    """One session; what RTAB-Map does not store is None or empty for its files.
+
+    Attributes:
+        map_id: session number.
+        nodes: number of its nodes, without the dropped ones.
+        started: Unix seconds.
+        closed: Unix seconds; None while it runs, or when it was killed and not healed yet.
+        clean: whether it was closed in order.
+        seed: of the random numbers.
+        source: where the frames came from.
+        parameters: all of them, as text by name.
+    """
+
+    map_id: int
+    nodes: int
+    started: float | None
+    closed: float | None
+    clean: bool
+    seed: int | None
+    source: str
+    parameters: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StatisticsTable:
+    """Statistics of updates as columns.
+
+    Attributes:
+        ids: (N,) int32 node ids, ascending.
+        stamps: (N,) seconds.
+        values: name -> (N,) float64, NaN where an update does not have it.
+    """
+
+    ids: NDArray[np.int32]
+    stamps: NDArray[np.float64]
+    values: Mapping[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UpdateRow:
+    """One map update, as slamdeck recorded it.
+
+    Attributes:
+        id: the node it added.
+        frame_index: of the source.
+        stamp: seconds.
+        weight: weight the node ended up with.
+        T_map_base: pose in the map as it was then, None when lost.
+        best_id: most probable place, 0 for none.
+        value: what LoopThr was compared with; NaN where no belief was computed.
+        virtual_place: probability of being nowhere known; NaN likewise.
+        optimized: whether poses of older nodes moved.
+        tiers: id -> tier of the nodes whose tier changed.
+        matches: of the odometry.
+        inliers: of the odometry.
+        keyframe: whether odometry's local map took in the frame.
+        odometry_ms: time of the odometry.
+        time_ms: time of the update without odometry.
+    """
+
+    id: int
+    frame_index: int
+    stamp: float
+    weight: int
+    T_map_base: Pose | None
+    best_id: int
+    value: float
+    virtual_place: float
+    optimized: bool
+    tiers: Mapping[int, Tier]
+    matches: int
+    inliers: int
+    keyframe: bool
+    odometry_ms: float
+    time_ms: float
+
+
+class LoopState(StrEnum):
+    """Where a loop stands: what the engine did, or the last decision about it that stands."""
+
+    ACCEPTED = "accepted"
+    REFUSED = "refused"
+    APPROVED = "approved"
+    REJECTED = "rejected"
+    ADDED = "added"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CandidateRow:
+    """A loop closure that was looked at.
+
+    Attributes:
+        id: running number in the file.
+        update_id: the node of the update that looked at it.
+        candidate: the evidence.
+        state: what became of it, decisions included.
+    """
+
+    id: int
+    update_id: int
+    candidate: Candidate
+    state: LoopState
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterChange:
+    """A parameter changed while the engine ran: from node ``node_id`` on, ``name`` has ``value`` (text)."""
+
+    id: int
+    time: float
+    node_id: int
+    name: str
+    value: str

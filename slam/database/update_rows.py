@@ -1,0 +1,106 @@
+"""Rows of deck_update and deck_hypothesis: what each map update decided and believed."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import Connection, insert, select
+
+from slam.database.blobs import pack_pose, unpack_pose
+from slam.database.deck_tables import hypothesis, update
+from slam.database.insertion import insert_rows
+from slam.database.rows import UpdateRow
+from slam.types import Posterior, Tier, Update
+
+#: Places kept of each belief: the most probable ones. The virtual place comes on top, under this id.
+KEPT_PLACES = 20
+VIRTUAL_PLACE_ID = -1
+
+
+def insert_update(connection: Connection, node_id: int, item: Update) -> None:
+    """Add the update that made a node, with the best hypotheses of its belief."""
+    belief = item.posterior
+    connection.execute(
+        insert(update).values(
+            id=node_id,
+            frame_index=item.frame_index,
+            stamp=item.stamp,
+            weight=item.weight,
+            T_map_base=pack_pose(item.T_map_base),
+            best_id=0 if belief is None else belief.best_id,
+            value=None if belief is None else belief.value,
+            virtual_place=None if belief is None else belief.virtual_place,
+            optimized=item.optimized,
+            tiers=json.dumps({str(place): tier.value for place, tier in sorted(item.tiers.items())}),
+            matches=item.odometry.matches,
+            inliers=item.odometry.inliers,
+            keyframe=item.odometry.keyframe,
+            odometry_ms=item.odometry.time_ms,
+            time_ms=item.time_ms,
+        )
+    )
+    if belief is not None:
+        _insert_belief(connection, node_id, belief)
+
+
+def read_updates(connection: Connection, after: int) -> list[UpdateRow]:
+    """The updates after node ``after``, ascending."""
+    rows = connection.execute(select(update).where(update.c.id > after).order_by(update.c.id))
+    return [
+        UpdateRow(
+            id=row.id,
+            frame_index=row.frame_index,
+            stamp=row.stamp,
+            weight=row.weight,
+            T_map_base=unpack_pose(row.T_map_base),
+            best_id=row.best_id,
+            value=_number(row.value),
+            virtual_place=_number(row.virtual_place),
+            optimized=bool(row.optimized),
+            tiers={int(place): Tier(tier) for place, tier in json.loads(row.tiers).items()},
+            matches=row.matches,
+            inliers=row.inliers,
+            keyframe=bool(row.keyframe),
+            odometry_ms=row.odometry_ms,
+            time_ms=row.time_ms,
+        )
+        for row in rows
+    ]
+
+
+def read_belief(connection: Connection, update_id: int) -> Posterior | None:
+    """The best places of an update's belief, ascending by id, and the virtual place; None where it had none."""
+    query = select(hypothesis.c.place_id, hypothesis.c.likelihood, hypothesis.c.probability)
+    rows = connection.execute(query.where(hypothesis.c.update_id == update_id).order_by(hypothesis.c.place_id)).all()
+    if not rows:
+        return None
+    places = [row for row in rows if row.place_id != VIRTUAL_PLACE_ID]
+    (virtual,) = (row for row in rows if row.place_id == VIRTUAL_PLACE_ID)
+    return Posterior(
+        node_ids=np.array([row.place_id for row in places], dtype=np.int32),
+        likelihood=np.array([_number(row.likelihood) for row in places], dtype=np.float64),
+        probability=np.array([_number(row.probability) for row in places], dtype=np.float64),
+        virtual_place=_number(virtual.probability),
+        virtual_likelihood=_number(virtual.likelihood),
+    )
+
+
+def _insert_belief(connection: Connection, node_id: int, belief: Posterior) -> None:
+    best = _best_rows(belief)
+    ids, likelihood, probability = (
+        values[best].tolist() for values in (belief.node_ids, belief.likelihood, belief.probability)
+    )
+    rows = [(node_id, *row) for row in zip(ids, likelihood, probability, strict=True)]
+    rows.append((node_id, VIRTUAL_PLACE_ID, belief.virtual_likelihood, belief.virtual_place))
+    insert_rows(connection, hypothesis, ("update_id", "place_id", "likelihood", "probability"), rows)
+
+
+def _best_rows(belief: Posterior) -> NDArray[np.intp]:
+    order = np.argsort(-belief.probability, kind="stable")
+    return order[:KEPT_PLACES]
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else float(value)

@@ -1,0 +1,33 @@
+"""Rows of the table Word: the visual dictionary."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from sqlalchemy import Connection, select
+
+from slam.database.feature_rows import read_descriptors
+from slam.database.insertion import insert_rows
+from slam.database.records import WordRows
+from slam.database.tables import word
+
+
+def insert_words(connection: Connection, words: WordRows) -> None:
+    """Add words to the dictionary."""
+    descriptors = np.ascontiguousarray(words.descriptors)
+    rows = [(word_id, len(row), row.tobytes()) for word_id, row in zip(words.ids.tolist(), descriptors, strict=True)]
+    insert_rows(connection, word, ("id", "descriptor_size", "descriptor"), rows)
+
+
+def read_word_ids(connection: Connection) -> set[int]:
+    """All ids of the dictionary."""
+    return set(connection.scalars(select(word.c.id)))
+
+
+def read_words(connection: Connection, only: Sequence[int] | None = None) -> WordRows:
+    """The whole dictionary, or those of its words that are asked for; ascending by id."""
+    query = select(word.c.id, word.c.descriptor_size, word.c.descriptor).order_by(word.c.id)
+    rows = connection.execute(query if only is None else query.where(word.c.id.in_(only))).all()
+    ids, widths, raw = zip(*rows, strict=True) if rows else ((), (), ())
+    return WordRows(np.array(ids, dtype=np.int32), read_descriptors(0, widths, raw))

@@ -1,0 +1,229 @@
+"""The one writer of a map file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from sqlalchemy import Connection
+
+from slam.database import admin_rows, node_record, session_rows, time_enter
+from slam.database.connection import close_plainly, refusing, writing_engine
+from slam.database.data_rows import EncodedData
+from slam.database.file_check import check_file, check_version
+from slam.database.frame_rows import insert_frames
+from slam.database.journal_rows import append_entry
+from slam.database.link_rows import insert_link, remove_link
+from slam.database.lock import MapLock
+from slam.database.new_file import create_file
+from slam.database.node_record import KnownIds
+from slam.database.node_rows import update_weights
+from slam.database.parameter_rows import insert_parameter_change
+from slam.database.parameter_text import params_text
+from slam.database.records import JournalEntry, NodeRecord
+from slam.database.schema import add_deck_tables
+from slam.errors import DatabaseError
+from slam.geometry import Pose
+from slam.params import Params, Value, format_value
+from slam.types import Link, OccupancyGrid, TrackedFrame
+
+
+class MapWriter:
+    """Writes one map file and keeps everybody else from writing it.
+
+    Every method is one transaction: it is in the file as a whole or, when it raises or the process dies, not at all.
+    While it is open the file has a write-ahead log beside it; ``close`` makes it one plain file again. A file whose
+    writer was killed is healed by the next one that opens it.
+    """
+
+    def __init__(self, path: Path, lock: MapLock) -> None:
+        self.path = path
+        self._lock = lock
+        self._map_id: int | None = None
+        self._params = Params()
+        self._memory_stamp = ""
+        with refusing(path, "opening for writing"):
+            self._connection = writing_engine(path).connect()
+            with self._connection.begin():
+                check_version(admin_rows.read_version(self._connection))
+                add_deck_tables(self._connection)
+                session_rows.heal_sessions(self._connection)
+                self._known = KnownIds.read(self._connection)
+
+    @classmethod
+    def create(cls, path: Path, params: Params, *, seed: int, source: str) -> MapWriter:
+        """Make a new map file and begin its first session.
+
+        Raises:
+            DatabaseError: the file exists, or can't be made there.
+            MapBusyError: another writer holds this name.
+        """
+        with _locked(path) as lock:
+            create_file(path)
+            writer = cls(path, lock)
+            writer.start_session(params, seed=seed, source=source)
+            return writer
+
+    @classmethod
+    def open(cls, path: Path) -> MapWriter:
+        """Open an existing map, for decisions or a new session; a killed one is healed.
+
+        Raises:
+            DatabaseError: it is no map, or can't be written.
+            MapBusyError: another writer holds it.
+        """
+        check_file(path)
+        with _locked(path) as lock:
+            return cls(path, lock)
+
+    @property
+    def map_id(self) -> int:
+        """Number of the session that runs; DatabaseError when none does."""
+        if self._map_id is None:
+            raise DatabaseError(f"{self.path}: no session runs: start one before nodes or frames are added")
+        return self._map_id
+
+    def start_session(self, params: Params, *, seed: int, source: str) -> int:
+        """Begin a session; its map_id. One that runs is ended by it (odometry that began anew)."""
+        text = params_text(params)
+        with self._transaction("starting a session") as connection:
+            if self._map_id is None:
+                self._memory_stamp = time_enter.begin_memory(connection, text)
+            session_rows.end_sessions(connection, clean=True)
+            map_id = session_rows.insert_session(connection, text, seed, source)
+        self._params, self._map_id = params, map_id
+        return map_id
+
+    def add_node(self, record: NodeRecord) -> None:
+        """Add a node with its data and everything that its update changed.
+
+        Raises:
+            DatabaseError: the record does not fit the map (ids, links, words), or can't be written.
+        """
+        doing = f"adding node {record.node.id}"
+        with refusing(self.path, doing):
+            self._known.check(record, self.map_id)
+            encoded = EncodedData.of(record, self._params)
+        with self._transaction(doing) as connection:
+            node_record.insert_record(connection, record, encoded, self._memory_stamp)
+        self._known.add(record)
+
+    def add_frames(self, frames: Iterable[TrackedFrame]) -> None:
+        """Add tracked frames that no node follows any more (at the end of a session)."""
+        map_id = self.map_id
+        with self._transaction("adding frames") as connection:
+            insert_frames(connection, map_id, frames)
+
+    def update_nodes(self, weights: Mapping[int, int]) -> None:
+        """Change weights of nodes."""
+        with self._transaction("changing weights") as connection:
+            update_weights(connection, weights)
+
+    def save_poses(self, poses_map_base: Mapping[int, Pose], last: Pose | None) -> None:
+        """Replace the optimised poses T_map_base; ``last`` is the robot's own, None leaves the one that is stored."""
+        with self._transaction("saving poses") as connection:
+            admin_rows.write_poses(connection, poses_map_base, last)
+
+    def save_grid(self, grid: OccupancyGrid | None) -> None:
+        """Replace the global grid; None removes it."""
+        with self._transaction("saving the grid") as connection:
+            admin_rows.write_grid(connection, grid)
+
+    def append_decision(
+        self,
+        entry: JournalEntry,
+        *,
+        add: Sequence[Link] = (),
+        remove: Sequence[tuple[int, int]] = (),
+        poses: Mapping[int, Pose],
+    ) -> int:
+        """Write a decision: journal, links and optimised poses; what was made from the old graph is removed.
+
+        Returns:
+            The number of the journal's entry.
+
+        Raises:
+            DatabaseError: a link to remove is not there, or one to add is, or nothing is left to take back.
+        """
+        with self._transaction(f"deciding about link {entry.from_id}-{entry.to_id}") as connection:
+            number = append_entry(connection, entry)
+            _change_links(connection, self._known, add, remove)
+            if poses:
+                admin_rows.write_poses(connection, poses, None)
+            if add or remove:
+                admin_rows.clear_derived(connection)
+        return number
+
+    def parameter_change(self, node_id: int, name: str, value: Value) -> None:
+        """Log that a parameter has another value from node ``node_id`` on.
+
+        Raises:
+            ParameterError: there is no such parameter, or the value is not allowed.
+        """
+        params = self._params.changed({name: value})
+        with self._transaction(f"logging {name}") as connection:
+            insert_parameter_change(connection, node_id, name, format_value(params.get(name)))
+        self._params = params
+
+    def close_session(
+        self, *, ram_ids: Iterable[int], ram_word_ids: Iterable[int], params: Params, clean: bool = True
+    ) -> None:
+        """End the session; these nodes and words are what RTAB-Map will load into working memory."""
+        text = params_text(params)
+        with self._transaction("closing the session") as connection:
+            time_enter.end_memory(connection, text, ram_ids, ram_word_ids)
+            session_rows.end_sessions(connection, clean=clean)
+        self._map_id = None
+
+    def close(self) -> None:
+        """Make one plain file of it again and let others write it; does nothing the second time.
+
+        Raises:
+            DatabaseError: the log can't be merged now (a full disk, a reader that stays); nothing is lost by it.
+        """
+        if self._connection.closed:
+            return
+        try:
+            with refusing(self.path, "closing"):
+                close_plainly(self._connection)
+        finally:
+            self._lock.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @contextmanager
+    def _transaction(self, doing: str) -> Iterator[Connection]:
+        if self._connection.closed:
+            raise DatabaseError(f"{self.path} is closed: {doing} is not possible any more")
+        with refusing(self.path, doing), self._connection.begin():
+            yield self._connection
+
+
+def _change_links(
+    connection: Connection, known: KnownIds, add: Sequence[Link], remove: Sequence[tuple[int, int]]
+) -> None:
+    for from_id, to_id in remove:
+        remove_link(connection, from_id, to_id)
+    for link in add:
+        known.check_link(link)
+        insert_link(connection, link)
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[MapLock]:
+    """The lock, freed again when what follows fails."""
+    lock = MapLock(path)
+    try:
+        yield lock
+    except BaseException:
+        lock.release()
+        raise

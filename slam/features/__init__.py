@@ -1,0 +1,1 @@
+"""Key points, descriptors, matching and visual words."""

@@ -1,0 +1,87 @@
+"""Choosing well spread corners, to a fraction of a pixel, from a map of corner strength."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True)
+def local_maxima(
+    strength: NDArray[np.float32], threshold: float, border: int
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Pixels (N, 2) x y, and their strength, that beat their eight neighbours; ``border`` pixels stay free."""
+    height, width = strength.shape
+    count = 0
+    pixels = np.empty((height * width // 4, 2), np.int32)
+    for y in range(border, height - border):
+        for x in range(border, width - border):
+            s = strength[y, x]
+            if s <= threshold:
+                continue
+            if (
+                s > strength[y - 1, x - 1]
+                and s > strength[y - 1, x]
+                and s > strength[y - 1, x + 1]
+                and s > strength[y, x - 1]
+                and s >= strength[y, x + 1]
+                and s >= strength[y + 1, x - 1]
+                and s >= strength[y + 1, x]
+                and s >= strength[y + 1, x + 1]
+            ):
+                pixels[count, 0] = x
+                pixels[count, 1] = y
+                count += 1
+    found = np.empty(count, np.float32)
+    for i in range(count):
+        found[i] = strength[pixels[i, 1], pixels[i, 0]]
+    return pixels[:count].copy(), found
+
+
+@njit(cache=True)
+def spread(
+    pixels: NDArray[np.int32], order: NDArray[np.int64], shape: tuple[int, int], min_distance: float, limit: int
+) -> NDArray[np.int64]:
+    """Rows of ``pixels``, strongest first by ``order``, that keep ``min_distance`` pixels from each other."""
+    cell = max(1, int(min_distance))
+    rows, cols = shape[0] // cell + 1, shape[1] // cell + 1
+    taken = np.full((rows, cols, 2), -1, np.int64)
+    chosen = np.empty(limit, np.int64)
+    count = 0
+    for row in order:
+        x, y = pixels[row, 0], pixels[row, 1]
+        cy, cx = y // cell, x // cell
+        free = True
+        for ny in range(max(0, cy - 1), min(rows, cy + 2)):
+            for nx in range(max(0, cx - 1), min(cols, cx + 2)):
+                for k in range(2):
+                    other = taken[ny, nx, k]
+                    if other >= 0:
+                        dx, dy = pixels[other, 0] - x, pixels[other, 1] - y
+                        if dx * dx + dy * dy < min_distance * min_distance:
+                            free = False
+        if not free:
+            continue
+        taken[cy, cx, 0 if taken[cy, cx, 0] < 0 else 1] = row
+        chosen[count] = row
+        count += 1
+        if count == limit:
+            break
+    return chosen[:count].copy()
+
+
+@njit(cache=True)
+def refine(strength: NDArray[np.float32], pixels: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Sub-pixel positions (N, 2): the peak of the parabola through three neighbours, along x and along y."""
+    refined = np.empty((pixels.shape[0], 2), np.float32)
+    for i in range(pixels.shape[0]):
+        x, y = pixels[i, 0], pixels[i, 1]
+        centre = strength[y, x]
+        for axis in range(2):
+            before = strength[y, x - 1] if axis == 0 else strength[y - 1, x]
+            after = strength[y, x + 1] if axis == 0 else strength[y + 1, x]
+            curvature = before - 2.0 * centre + after
+            offset = 0.5 * (before - after) / curvature if curvature < 0.0 else 0.0
+            refined[i, axis] = pixels[i, axis] + min(0.5, max(-0.5, offset))
+    return refined

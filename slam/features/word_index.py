@@ -1,0 +1,151 @@
+"""Nearest words of a binary descriptor, by locality-sensitive hashing (Indyk and Motwani 1998).
+
+Each table keys a word by a few of its bits, drawn at random; a query looks only at the words that share a key with it
+in some table. Words are added one by one and never moved; those let go stay in the tables, marked, until ``compact``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from slam.features.hamming import FAR, distance
+
+_TABLES = 16
+_KEY_BITS = 20
+#: Words farther than this are rarely found by the tables, so that they count as being this far.
+HORIZON = 64
+
+Words = NDArray[np.uint64]
+Ints = NDArray[np.int32]
+
+
+class WordIndex:
+    """Packed descriptors (N, B / 8) in rows, with the tables that find the nearest two of a query."""
+
+    def __init__(self, words: int, *, seed: int) -> None:
+        self._bits = np.random.default_rng(seed).integers(0, 64 * words, (_TABLES, _KEY_BITS)).astype(np.int32)
+        self.count = 0
+        self.descriptors: Words = np.zeros((1024, words), np.uint64)
+        self.alive = np.zeros(1024, np.bool_)
+        self._next: Ints = np.zeros((_TABLES, 1024), np.int32)
+        self._heads: Ints = np.full((_TABLES, 1 << _KEY_BITS), -1, np.int32)
+        self._stamps: Ints = np.zeros(1024, np.int32)
+        self._stamp = 0
+
+    def assign(self, descriptors: Words, ratio: float, *, learn: bool, together: bool) -> Ints:
+        """Row of each descriptor's word; -1 where there is none and ``learn`` is off.
+
+        Args:
+            descriptors: (N, B / 8) packed.
+            ratio: largest ratio of nearest to second nearest distance of a known word.
+            learn: whether an unknown descriptor becomes a word.
+            together: whether descriptors are compared with the words that earlier ones of this call became.
+        """
+        self._reserve(self.count + len(descriptors))
+        known = self.count if not together else 1 << 30
+        rows, self.count, self._stamp = _assign(
+            descriptors,
+            self.descriptors,
+            self.alive,
+            self._next,
+            self._heads,
+            self._bits,
+            self._stamps,
+            self._stamp,
+            self.count,
+            known,
+            ratio,
+            learn,
+        )
+        return np.asarray(rows)
+
+    def append(self, descriptors: Words) -> Ints:
+        """Rows of these words, taken in as they are."""
+        self._reserve(self.count + len(descriptors))
+        rows = np.arange(self.count, self.count + len(descriptors), dtype=np.int32)
+        for row, descriptor in zip(rows.tolist(), descriptors, strict=True):
+            _insert(descriptor, row, self.descriptors, self.alive, self._next, self._heads, self._bits)
+        self.count += len(descriptors)
+        return rows
+
+    def compact(self) -> Ints:
+        """Lets the dead rows go; returns the old row of each new one."""
+        kept = np.flatnonzero(self.alive[: self.count]).astype(np.int32)
+        descriptors = self.descriptors[kept]
+        self.count = 0
+        self.alive[:] = False
+        self._heads[:] = -1
+        self.append(descriptors)
+        return kept
+
+    def _reserve(self, size: int) -> None:
+        grown = len(self.alive)
+        while grown < size:
+            grown *= 2
+        if grown > len(self.alive):
+            more = grown - len(self.alive)
+            self.descriptors = np.pad(self.descriptors, ((0, more), (0, 0)))
+            self.alive = np.pad(self.alive, (0, more))
+            self._next = np.pad(self._next, ((0, 0), (0, more)))
+            self._stamps = np.pad(self._stamps, (0, more))
+
+
+@njit(cache=True)
+def _key(descriptor: Words, bits: Ints) -> int:
+    key = 0
+    for b in bits:
+        key = (key << 1) | int((descriptor[b >> 6] >> np.uint64(b & 63)) & np.uint64(1))
+    return key
+
+
+@njit(cache=True)
+def _insert(
+    descriptor: Words, row: int, words: Words, alive: NDArray[np.bool_], chain: Ints, heads: Ints, bits: Ints
+) -> None:
+    words[row] = descriptor
+    alive[row] = True
+    for table in range(len(bits)):
+        key = _key(descriptor, bits[table])
+        chain[table, row] = heads[table, key]
+        heads[table, key] = row
+
+
+@njit(cache=True)
+def _assign(
+    descriptors: Words,
+    words: Words,
+    alive: NDArray[np.bool_],
+    chain: Ints,
+    heads: Ints,
+    bits: Ints,
+    stamps: Ints,
+    stamp: int,
+    count: int,
+    known: int,
+    ratio: float,
+    learn: bool,
+) -> tuple[Ints, int, int]:
+    rows = np.empty(len(descriptors), np.int32)
+    for i in range(len(descriptors)):
+        stamp += 1
+        best, second, best_row = FAR, HORIZON, -1
+        for table in range(len(bits)):
+            row = heads[table, _key(descriptors[i], bits[table])]
+            while row >= 0:
+                if stamps[row] != stamp and alive[row] and row < known:
+                    stamps[row] = stamp
+                    d = distance(descriptors[i], words[row])
+                    if d < best:
+                        second = min(second, best)
+                        best, best_row = d, row
+                    elif d < second:
+                        second = d
+                row = chain[table, row]
+        rows[i] = best_row if best <= ratio * second else -1
+        if rows[i] < 0 and learn:
+            _insert(descriptors[i], count, words, alive, chain, heads, bits)
+            rows[i] = count
+            count += 1
+    return rows, count, stamp

@@ -1,0 +1,202 @@
+"""The pose graph: every node of a map, the links between them, and where the optimiser put them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+from typing import Protocol, Self
+
+import numpy as np
+
+from slam.errors import OptimizationError
+from slam.geometry import Pose, inverse
+from slam.types import Link
+
+Pair = tuple[int, int]
+#: Cost of walking along a link (0 or 1 steps); None when it isn't followed.
+Follow = Callable[[Link], int | None]
+
+
+class NodeColumns(Protocol):
+    """The columns of a map file's nodes that a graph needs; row i of each is the same node."""
+
+    @property
+    def ids(self) -> Iterable[int]:
+        """(N,) ids."""
+        ...
+
+    @property
+    def map_ids(self) -> Iterable[int]:
+        """(N,) session numbers."""
+        ...
+
+    @property
+    def T_odom(self) -> Iterable[Pose]:
+        """(N, 4, 4) odometry poses."""
+        ...
+
+
+class GraphReader(Protocol):
+    """What ``PoseGraph.from_reader`` asks of a map file."""
+
+    def nodes(self) -> NodeColumns:
+        """All nodes."""
+        ...
+
+    def links(self) -> Iterable[Link]:
+        """All links, each pair once."""
+        ...
+
+    def poses(self) -> Mapping[int, Pose]:
+        """Id -> optimised pose ``T_map_base``."""
+        ...
+
+
+def one_step(link: Link) -> int | None:
+    """The plain ``Follow``: each link is one step."""
+    del link
+    return 1
+
+
+class PoseGraph:
+    """Poses and links of all nodes of a map; light enough to hold a whole one (no images, no features).
+
+    Attributes:
+        T_odom: id -> (4, 4) odometry pose ``T_odom_base``.
+        map_ids: id -> session number.
+        links: pair of ids, smaller first -> link.
+        poses: id -> (4, 4) optimised pose ``T_map_base``.
+    """
+
+    def __init__(self) -> None:
+        self.T_odom: dict[int, Pose] = {}
+        self.map_ids: dict[int, int] = {}
+        self.links: dict[Pair, Link] = {}
+        self.poses: dict[int, Pose] = {}
+        self._adjacent: dict[int, dict[int, Link]] = {}
+
+    def __len__(self) -> int:
+        return len(self._adjacent)
+
+    def __contains__(self, node_id: object) -> bool:
+        return node_id in self._adjacent
+
+    def add_node(self, node_id: int, map_id: int, T_odom_base: Pose, T_map_base: Pose) -> None:
+        """Take in a node that has no links yet; raises OptimizationError when the id is there already."""
+        if node_id in self._adjacent:
+            raise OptimizationError(f"node {node_id} is in the graph already; ids must be unique")
+        self.T_odom[node_id] = T_odom_base
+        self.map_ids[node_id] = map_id
+        self.poses[node_id] = T_map_base
+        self._adjacent[node_id] = {}
+
+    def remove_node(self, node_id: int) -> None:
+        """Take out a node and all its links; raises OptimizationError when there is none of this id."""
+        for pair in [link.pair for link in self.neighbors(node_id).values()]:
+            self.remove_link(pair)
+        del self.T_odom[node_id], self.map_ids[node_id], self.poses[node_id], self._adjacent[node_id]
+
+    def add_link(self, link: Link) -> None:
+        """Join two nodes of the graph.
+
+        Raises:
+            OptimizationError: a node is missing, the pair is linked already, or the link has no transform.
+        """
+        missing = [i for i in link.pair if i not in self._adjacent]
+        if missing:
+            raise OptimizationError(f"link {name(link)}: node {missing[0]} is not in the graph")
+        if link.from_id == link.to_id or link.T_from_to is None:
+            raise OptimizationError(f"link {name(link)} joins no two poses: it needs two nodes and a transform")
+        if link.pair in self.links:
+            raise OptimizationError(f"link {name(link)}: the pair is joined by a {self.links[link.pair].type.label}")
+        self.links[link.pair] = link
+        self._adjacent[link.from_id][link.to_id] = link
+        self._adjacent[link.to_id][link.from_id] = link
+
+    def remove_link(self, pair: Pair) -> Link:
+        """Take out and return the link of a pair of ids in any order; raises OptimizationError without one."""
+        link = self.links.pop((min(pair), max(pair)), None)
+        if link is None:
+            raise OptimizationError(f"nodes {pair[0]} and {pair[1]} are not linked")
+        del self._adjacent[link.from_id][link.to_id]
+        del self._adjacent[link.to_id][link.from_id]
+        return link
+
+    def neighbors(self, node_id: int) -> Mapping[int, Link]:
+        """Linked id -> link, read-only; raises OptimizationError when the node isn't in the graph."""
+        found = self._adjacent.get(node_id)
+        if found is None:
+            raise OptimizationError(f"node {node_id} is not in the graph")
+        return MappingProxyType(found)
+
+    def within(self, node_id: int, depth: int, follow: Follow = one_step) -> dict[int, int]:
+        """Ids at most ``depth`` steps away -> their distance in steps, the nearest first (0-1 breadth-first search).
+
+        ``follow`` says what a link costs: the Bayes filter walks global closures for nothing and proximity links not
+        at all, proximity detection counts every link.
+        """
+        self.neighbors(node_id)
+        found: dict[int, int] = {}
+        queue = deque([(node_id, 0)])
+        while queue:
+            at, distance = queue.popleft()
+            if at in found:
+                continue
+            found[at] = distance
+            for other, link in self._adjacent[at].items():
+                cost = None if other in found else follow(link)
+                if cost == 0:
+                    queue.appendleft((other, distance))
+                elif cost is not None and distance + cost <= depth:
+                    queue.append((other, distance + cost))
+        return found
+
+    def component(self, node_id: int) -> set[int]:
+        """Ids of all nodes that links join with this one, itself included."""
+        self.neighbors(node_id)
+        found = {node_id}
+        stack = [node_id]
+        while stack:
+            new = self._adjacent[stack.pop()].keys() - found
+            found |= new
+            stack.extend(new)
+        return found
+
+    @property
+    def newest(self) -> int:
+        """Largest id; raises OptimizationError when the graph is empty."""
+        if not self._adjacent:
+            raise OptimizationError("the graph has no node")
+        return max(self._adjacent)
+
+    @property
+    def correction(self) -> Pose:
+        """``T_map_odom`` of the newest node: what takes odometry poses of now into the map."""
+        return np.asarray(self.poses[self.newest] @ inverse(self.T_odom[self.newest]))
+
+    @classmethod
+    def from_reader(cls, reader: GraphReader) -> Self:
+        """The graph of a map file.
+
+        A node without an optimised pose starts where odometry puts it. Links that join no two nodes (priors, gravity,
+        landmarks, markers of merged nodes) stay in the file: the optimiser has no use for them.
+        """
+        graph = cls()
+        columns, poses = reader.nodes(), reader.poses()
+        for node_id, map_id, T_odom in zip(columns.ids, columns.map_ids, columns.T_odom, strict=True):
+            T_odom_base = np.array(T_odom)
+            graph.add_node(int(node_id), int(map_id), T_odom_base, poses.get(int(node_id), T_odom_base))
+        for link in reader.links():
+            if (
+                link.T_from_to is not None
+                and link.from_id != link.to_id
+                and {link.from_id, link.to_id} <= graph.poses.keys()
+            ):
+                graph.add_link(link)
+        return graph
+
+
+def name(link: Link) -> str:
+    """How messages call a link: ids as stored and type."""
+    return f"{link.from_id}->{link.to_id} ({link.type.label})"

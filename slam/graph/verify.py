@@ -1,0 +1,170 @@
+"""Loop closures are kept only when the optimised graph can live with them (``RGBD/OptimizeMaxError``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from slam.errors import OptimizationError
+from slam.geometry import Array, Pose, inverse
+from slam.graph.graph import PoseGraph, name
+from slam.graph.optimizer import Optimized, choose_root, optimize
+from slam.params import Params
+from slam.types import UNKNOWN_VARIANCE, Link, Refusal
+
+_TEST = "RGBD/OptimizeMaxError"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorstLink:
+    """The links that the poses contradict most.
+
+    Attributes:
+        linear: largest axis of the translational residual over its sigma.
+        linear_m: that residual in metres.
+        linear_link: the link it belongs to, None in a graph without links.
+        angular: angle of the residual over its sigma.
+        angular_rad: that angle in radians.
+        angular_link: the link it belongs to.
+    """
+
+    linear: float = 0.0
+    linear_m: float = 0.0
+    linear_link: Link | None = None
+    angular: float = 0.0
+    angular_rad: float = 0.0
+    angular_link: Link | None = None
+
+    @property
+    def ratio(self) -> float:
+        """The larger of both, in sigmas: what ``RGBD/OptimizeMaxError`` is compared with."""
+        return max(self.linear, self.angular)
+
+    @property
+    def link(self) -> Link | None:
+        """The link of the larger ratio."""
+        return self.linear_link if self.linear >= self.angular else self.angular_link
+
+    @property
+    def text(self) -> str:
+        """One sentence that names the link, its residual and its sigma."""
+        if self.link is None:
+            return "no link"
+        if self.linear >= self.angular:
+            how = f"{self.linear_m:.3f} m off, {self.linear:.1f} sigma of {self.linear_m / self.linear:.3f} m (linear)"
+            return f"link {name(self.link)} is {how}" if self.linear else "every link agrees"
+        sigma = np.degrees(self.angular_rad / self.angular)
+        degrees = np.degrees(self.angular_rad)
+        return f"link {name(self.link)} is {degrees:.2f} deg off, {self.angular:.1f} sigma of {sigma:.2f} deg (angular)"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Closure:
+    """Outcome of trying loop links together.
+
+    Attributes:
+        accepted: whether they are in the graph now.
+        optimized: the optimisation with them; its poses are the graph's when accepted.
+        worst: the links that contradict those poses most.
+        refusal: why they were taken back, None when accepted.
+    """
+
+    accepted: bool
+    optimized: Optimized
+    worst: WorstLink
+    refusal: Refusal | None = None
+
+
+def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
+    """Residuals (N, 4) of links: linear in sigmas, in metres, angular in sigmas, in radians.
+
+    As in RTAB-Map the linear ratio is the largest axis over the largest sigma of the three; axes of unknown variance
+    (9999 and up) are left out when sigma is picked, and a part of which no axis is known isn't judged (ratio 0).
+    """
+    T_from_to = np.array([link.T_from_to for link in links])
+    T_map_from = np.array([poses[link.from_id] for link in links])
+    T_map_to = np.array([poses[link.to_id] for link in links])
+    T_is = inverse(T_map_from) @ T_map_to
+    metres = np.abs(T_is[:, :3, 3] - T_from_to[:, :3, 3]).max(axis=1)
+    radians = _angles(inverse(T_from_to) @ T_is)
+    known = np.array([np.diagonal(link.information) for link in links])
+    known = np.where(known > 1.0 / UNKNOWN_VARIANCE, known, np.inf)
+    weight = np.sqrt(np.column_stack([known[:, :3].min(axis=1), known[:, 3:].min(axis=1)]))
+    weight[~np.isfinite(weight)] = 0.0
+    return np.column_stack([metres * weight[:, 0], metres, radians * weight[:, 1], radians])
+
+
+def max_error(graph: PoseGraph, poses: Mapping[int, Pose]) -> WorstLink:
+    """The worst link of a graph at these poses; links to nodes without one of them are left out."""
+    links = [graph.links[pair] for pair in sorted(graph.links) if pair[0] in poses and pair[1] in poses]
+    if not links:
+        return WorstLink()
+    ratios = residual_ratios(links, poses)
+    i, k = int(np.argmax(ratios[:, 0])), int(np.argmax(ratios[:, 2]))
+    linear, metres = ratios[i, :2]
+    angular, radians = ratios[k, 2:]
+    return WorstLink(float(linear), float(metres), links[i], float(angular), float(radians), links[k])
+
+
+def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params) -> Closure:
+    """Add loop links, optimise, and keep both links and poses only if no link is worse than ``RGBD/OptimizeMaxError``.
+
+    When two sessions meet in a candidate, the younger one is first moved there as one rigid piece. When the links are
+    refused, or an error is raised, the graph is as it was.
+
+    Raises:
+        OptimizationError: no candidate, a candidate that doesn't fit the graph, or no solution.
+    """
+    if not candidates:
+        raise OptimizationError("no loop link to add: close_loops needs at least one")
+    poses, added = graph.poses, []
+    try:
+        graph.poses = dict(poses)
+        for link in candidates:
+            join(graph, link)
+            added.append(link)
+        optimized = optimize(graph, params, root=choose_root(graph, params, candidates[0].from_id))
+        worst = max_error(graph, optimized.poses)
+    except OptimizationError:
+        _take_back(graph, added, poses)
+        raise
+    limit = params.RGBD.OptimizeMaxError
+    if limit > 0 and worst.ratio > limit:
+        _take_back(graph, added, poses)
+        text = f"{worst.text}, more than {_TEST} {limit:g} allows"
+        return Closure(False, optimized, worst, Refusal(_TEST, worst.ratio, limit, text))
+    graph.poses = optimized.poses
+    return Closure(True, optimized, worst)
+
+
+def join(graph: PoseGraph, link: Link) -> None:
+    """Add a link; where it joins two components, the younger one's poses move rigidly so that the link is exact.
+
+    Raises:
+        OptimizationError: the link doesn't fit the graph, which is then as it was.
+    """
+    component = graph.component(link.from_id)
+    if link.to_id not in component and link.T_from_to is not None:
+        other = graph.component(link.to_id)
+        T_map_to = graph.poses[link.from_id] @ link.T_from_to
+        if min(other) > min(component):
+            moving, T_new_old = other, T_map_to @ inverse(graph.poses[link.to_id])
+        else:
+            moving, T_new_old = component, graph.poses[link.to_id] @ inverse(T_map_to)
+        graph.poses.update({i: np.asarray(T_new_old @ graph.poses[i]) for i in moving})
+    graph.add_link(link)
+
+
+def _take_back(graph: PoseGraph, added: Sequence[Link], poses: dict[int, Pose]) -> None:
+    for link in reversed(added):
+        graph.remove_link(link.pair)
+    graph.poses = poses
+
+
+def _angles(T: Array) -> Array:
+    """Rotation angles (N,) in [0, pi] of poses (N, 4, 4), exact for small ones too."""
+    R = T[:, :3, :3]
+    axis = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
+    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=1), np.trace(R, axis1=1, axis2=2) - 1.0))

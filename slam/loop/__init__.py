@@ -1,0 +1,1 @@
+"""Loop closure: which known place this is, and whether the images agree."""

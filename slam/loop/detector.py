@@ -1,0 +1,84 @@
+"""Loop detection of one update: belief over places, then the candidates that the images were asked about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slam.clock import StageClock
+from slam.graph.graph import PoseGraph
+from slam.loop.appearance import AppearanceLoops, verify
+from slam.loop.bayes import BayesFilter
+from slam.loop.likelihood import adjust, raw_likelihood
+from slam.loop.proximity import nearby
+from slam.memory.memory import Memory
+from slam.params import Params
+from slam.types import Candidate, LinkType, Node, Posterior
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Belief:
+    """What one update believes: the posterior (None for a node with too few words), and the place worth trying.
+
+    Attributes:
+        posterior: over working memory.
+        place: id that passed ``Rtabmap/LoopThr``, 0 for none.
+        refused: text of why the best hypothesis was not tried, empty when it was.
+    """
+
+    posterior: Posterior | None
+    place: int = 0
+    refused: str = ""
+
+    @property
+    def likelihood(self) -> dict[int, float]:
+        """Likelihood of each place."""
+        if self.posterior is None:
+            return {}
+        return dict(zip(self.posterior.node_ids.tolist(), self.posterior.likelihood.tolist(), strict=True))
+
+
+class LoopDetector:
+    """Bayes filter, appearance and proximity, in RTAB-Map's order."""
+
+    def __init__(self) -> None:
+        self._bayes = BayesFilter()
+        self._appearance = AppearanceLoops()
+
+    def recognize(self, node: Node, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock) -> Belief:
+        """Belief over working memory after seeing a node."""
+        bag = memory.bags[node.id]
+        usual = float(np.mean([len(b.words) for b in memory.bags.values()]))
+        if len(bag.words) < params.Kp.BadSignRatio * usual:
+            return Belief(None, refused=f"{len(bag.words)} words, too few beside the usual {usual:.0f}")
+        places = sorted(memory.wm)
+        with clock.stage("Timing/Likelihood_computation/ms"):
+            others = [memory.bags[i] for i in memory.stm]
+            scores = raw_likelihood(bag, [memory.bags[i] for i in places], others, params)
+            likelihood, virtual = adjust(scores, params)
+        with clock.stage("Timing/Posterior_computation/ms"):
+            posterior = self._bayes.update(places, likelihood, virtual, graph, params)
+        connected = posterior.best_id == 0 or posterior.best_id in graph.component(node.id)
+        refusal = self._appearance.hypothesis(posterior, connected=connected, params=params)
+        if refusal is not None:
+            return Belief(posterior, refused=refusal.text)
+        return Belief(posterior, place=posterior.best_id)
+
+    def candidates(
+        self, node: Node, belief: Belief, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock
+    ) -> list[Candidate]:
+        """Registers the node with the place believed in and with what is near by."""
+        found: list[Candidate] = []
+        with clock.stage("Timing/Hypotheses_validation/ms"):
+            if belief.place and belief.posterior is not None:
+                old = memory.nodes[belief.place]
+                found.append(verify(node, old, LinkType.GLOBAL_CLOSURE, belief.posterior.value, params))
+        if not params.RGBD.ProximityBySpace:
+            return found
+        with clock.stage("Timing/Proximity_by_space/ms"):
+            for place in nearby(node.id, memory.wm, graph, belief.likelihood, params):
+                if place != belief.place:
+                    old = memory.nodes[place]
+                    found.append(verify(node, old, LinkType.LOCAL_SPACE_CLOSURE, float("nan"), params))
+        return found

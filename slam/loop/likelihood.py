@@ -1,0 +1,75 @@
+"""How much the words of a new node speak for each place in working memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.params import Params
+from slam.types import Node
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WordBag:
+    """Distinct words of a node, how often each occurs, and the number of all its key points."""
+
+    words: NDArray[np.int32]
+    counts: NDArray[np.int64]
+    features: int
+
+    @classmethod
+    def of(cls, node: Node) -> WordBag:
+        """Words of a node; key points that were not quantised only count as features."""
+        words, counts = np.unique(node.word_ids[node.word_ids > 0], return_counts=True)
+        return cls(words, counts, max(1, len(node.word_ids)))
+
+
+def similarity(first: WordBag, second: WordBag) -> float:
+    """Share of common words: common occurrences over the larger number of words, 0 to 1."""
+    _, a, b = np.intersect1d(first.words, second.words, assume_unique=True, return_indices=True)
+    common = int(np.minimum(first.counts[a], second.counts[b]).sum())
+    larger = max(int(first.counts.sum()), int(second.counts.sum()))
+    return common / larger if larger else 0.0
+
+
+def raw_likelihood(new: WordBag, places: Sequence[WordBag], others: Sequence[WordBag], params: Params) -> Array:
+    """Score (P,) of each place; ``others`` are the remaining nodes in RAM, which make words more or less telling."""
+    if not params.Kp.TfIdfLikelihoodUsed:
+        return np.array([similarity(new, place) for place in places])
+    bags = [*places, *others]
+    if not places or not len(new.words):
+        return np.zeros(len(places))
+    words = np.concatenate([bag.words for bag in bags])
+    table = np.zeros(int(max(words.max(initial=0), new.words.max())) + 1, np.bool_)
+    table[new.words] = True
+    asked = table[words]
+    having = np.bincount(words[asked], minlength=len(table))
+    weight = np.concatenate([bag.counts / bag.features for bag in places])
+    size = len(weight)
+    inverse_frequency = np.log10(len(bags) / np.maximum(having, 1))
+    owner = np.repeat(np.arange(len(places)), [len(bag.words) for bag in places])
+    terms = np.where(asked[:size], weight * inverse_frequency[words[:size]], 0.0)
+    return np.bincount(owner, weights=terms, minlength=len(places)).astype(np.float64)
+
+
+def adjust(scores: Array, params: Params) -> tuple[Array, float]:
+    """Scores to likelihoods: what does not stand out counts 1; with the likelihood of a new place.
+
+    Mean and deviation are over the scores that are not zero (Labbe and Michaud 2013, equations 5 and 6).
+    """
+    positive = scores[scores > 0]
+    if len(positive) < 2:
+        return np.ones(len(scores)), 2.0
+    mean, deviation = float(positive.mean()), float(positive.std(ddof=1))
+    likelihood = np.where(scores > mean + deviation, (scores - deviation + 1e-4) / mean, 1.0)
+    largest = float(scores.max())
+    if params.Rtabmap.VirtualPlaceLikelihoodRatio == 0:
+        virtual = mean / deviation + 1.0 if deviation > 0 else 2.0
+    else:
+        virtual = deviation / (largest - mean) + 1.0 if largest > mean else 2.0
+    return likelihood, virtual

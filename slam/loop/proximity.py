@@ -1,0 +1,79 @@
+"""Proximity detection by space: old nodes that should be close by, one from each path (Labbe and Michaud 2019)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from slam.geometry import Pose
+from slam.graph.graph import PoseGraph
+from slam.params import Params
+from slam.types import LinkType
+
+
+def nearby(
+    node_id: int,
+    places: Collection[int],
+    graph: PoseGraph,
+    likelihood: Mapping[int, float],
+    params: Params,
+) -> list[int]:
+    """Nodes of working memory to register with, at most one for each path, most likely path first.
+
+    Args:
+        node_id: the new node.
+        places: ids in working memory.
+        graph: optimised poses and links.
+        likelihood: id -> likelihood of this update, where known.
+        params: the Proximity parameters of RGBD are read.
+    """
+    T_map_new = graph.poses[node_id]
+    depth = params.RGBD.ProximityMaxGraphDepth
+    reachable = graph.within(node_id, depth) if depth else dict.fromkeys(graph.component(node_id), 0)
+    around = {
+        place: _distance(T_map_new, graph.poses[place])
+        for place in places
+        if place in reachable and _distance(T_map_new, graph.poses[place]) <= params.RGBD.LocalRadius
+    }
+    paths = sorted(_paths(around, graph), key=lambda path: -max(likelihood.get(i, 0.0) for i in path))
+    linked = graph.neighbors(node_id)
+    chosen: list[int] = []
+    for path in paths[: params.RGBD.ProximityMaxPaths or None]:
+        close = [
+            i
+            for i in path
+            if around[i] <= params.RGBD.ProximityPathFilteringRadius
+            and _facing_deg(T_map_new, graph.poses[i]) <= params.RGBD.ProximityAngle
+        ]
+        if close and not any(i in linked for i in path):
+            chosen.append(max(close, key=lambda i: (likelihood.get(i, 0.0), -around[i], i)))
+    return chosen
+
+
+def _paths(ids: Mapping[int, float], graph: PoseGraph) -> list[list[int]]:
+    """``ids`` cut into runs that neighbour links join, each ascending."""
+    left, paths = set(ids), []
+    for start in sorted(ids):
+        if start not in left:
+            continue
+        left.remove(start)
+        path, stack = [], [start]
+        while stack:
+            at = stack.pop()
+            path.append(at)
+            for other, link in graph.neighbors(at).items():
+                if other in left and link.type in (LinkType.NEIGHBOR, LinkType.NEIGHBOR_MERGED):
+                    left.remove(other)
+                    stack.append(other)
+        paths.append(sorted(path))
+    return paths
+
+
+def _distance(T_map_a: Pose, T_map_b: Pose) -> float:
+    return float(np.linalg.norm(T_map_a[:3, 3] - T_map_b[:3, 3]))
+
+
+def _facing_deg(T_map_a: Pose, T_map_b: Pose) -> float:
+    """Angle in degrees between the forward axes of two nodes."""
+    return float(np.degrees(np.arccos(np.clip(T_map_a[:3, 0] @ T_map_b[:3, 0], -1.0, 1.0))))

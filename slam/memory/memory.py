@@ -1,0 +1,114 @@
+"""The three memories and the moves between them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.database import WordRows
+from slam.features.dictionary import Dictionary
+from slam.loop.likelihood import WordBag
+from slam.memory.long_term import LongTermMemory
+from slam.params import Params
+from slam.types import Features, Node, Tier
+
+
+class Memory:
+    """Which node is where; nodes in RAM (STM and WM) with features and words, the others without.
+
+    Attributes:
+        stm: ids, oldest first.
+        wm: id -> when it entered working memory (a counter, not a time).
+        ltm: ids.
+        nodes: whole nodes of STM and WM.
+        bags: their words.
+        weights: of all nodes.
+        dictionary: the words in RAM.
+    """
+
+    def __init__(self, long_term: LongTermMemory, *, seed: int) -> None:
+        self.stm: deque[int] = deque()
+        self.wm: dict[int, int] = {}
+        self.ltm: set[int] = set()
+        self.nodes: dict[int, Node] = {}
+        self.bags: dict[int, WordBag] = {}
+        self.weights: dict[int, int] = {}
+        self.dictionary = Dictionary(seed=seed)
+        self._long_term = long_term
+        self._outlines: dict[int, Node] = {}
+        self._moved: dict[int, Tier] = {}
+        self._entries = 0
+
+    def quantize(self, features: Features, params: Params) -> tuple[NDArray[np.int32], WordRows]:
+        """Word ids of features: the best ``Kp/MaxFeatures`` become words, the rest get negative numbers."""
+        best = min(len(features), params.Kp.MaxFeatures)
+        words, new_ids, new_descriptors = self.dictionary.quantize(features.descriptors[:best], params)
+        rest = -np.arange(1, len(features) - best + 1, dtype=np.int32)
+        return np.concatenate([words, rest]).astype(np.int32), WordRows(new_ids, new_descriptors)
+
+    def forget_words(self, node: Node) -> None:
+        """The words made for a node that is not kept go again."""
+        bag = WordBag.of(node)
+        self.dictionary.use(bag.words.tolist())
+        self.dictionary.release(bag.words.tolist())
+
+    def add(self, node: Node, params: Params) -> None:
+        """Takes a new node into STM; what overflows goes to WM."""
+        self._admit(node)
+        self.weights[node.id] = node.weight
+        self.stm.append(node.id)
+        self._moved[node.id] = Tier.STM
+        while len(self.stm) > params.Mem.STMSize:
+            self._enter_wm(self.stm.popleft())
+
+    def transfer(self, ids: Iterable[int]) -> None:
+        """Moves nodes from WM to LTM: features and unused words leave RAM."""
+        for node_id in ids:
+            node = self.nodes.pop(node_id)
+            self._long_term.store(node, self._words_of(node))
+            self._outlines[node_id] = replace(node, features=node.features.take(np.zeros(0, np.int64)))
+            self.dictionary.release(self.bags.pop(node_id).words.tolist())
+            del self.wm[node_id]
+            self.ltm.add(node_id)
+            self._moved[node_id] = Tier.LTM
+
+    def retrieve(self, ids: Iterable[int], params: Params) -> list[int]:
+        """Brings nodes back from LTM to WM; returns those that were there."""
+        found = [node_id for node_id in ids if node_id in self.ltm]
+        for node_id in found:
+            node, words = self._long_term.load(self._outlines.pop(node_id))
+            renamed = self.dictionary.restore(words.ids, words.descriptors, params)
+            word_ids = np.array([renamed.get(w, w) for w in node.word_ids.tolist()], np.int32)
+            self._admit(replace(node, word_ids=word_ids, weight=self.weights[node_id]))
+            self.ltm.remove(node_id)
+            self._enter_wm(node_id)
+        return found
+
+    def tier(self, node_id: int) -> Tier:
+        """The memory a node is in."""
+        if node_id in self.wm:
+            return Tier.WM
+        return Tier.LTM if node_id in self.ltm else Tier.STM
+
+    def take_moves(self) -> dict[int, Tier]:
+        """Tiers that changed since this was last asked."""
+        moved, self._moved = self._moved, {}
+        return moved
+
+    def _admit(self, node: Node) -> None:
+        self.nodes[node.id] = node
+        self.bags[node.id] = WordBag.of(node)
+        self.dictionary.use(self.bags[node.id].words.tolist())
+
+    def _enter_wm(self, node_id: int) -> None:
+        self._entries += 1
+        self.wm[node_id] = self._entries
+        self._moved[node_id] = Tier.WM
+
+    def _words_of(self, node: Node) -> WordRows:
+        ids = np.unique(node.word_ids[node.word_ids > 0])
+        return WordRows(ids, self.dictionary.descriptors(ids))

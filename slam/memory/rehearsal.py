@@ -1,0 +1,43 @@
+"""Rehearsal: a node that looks like the last one makes that one weigh more, and may merge with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from slam.geometry import between, so3_log
+from slam.loop.likelihood import WordBag, similarity
+from slam.memory.memory import Memory
+from slam.params import Params
+from slam.types import Node
+
+
+@dataclass(frozen=True, slots=True)
+class Rehearsal:
+    """Outcome: how alike both are, the weight that the older node gets, and whether the new one merges into it."""
+
+    node_id: int
+    similarity: float
+    weight: int
+    merged: bool
+
+
+def rehearse(node: Node, memory: Memory, params: Params) -> Rehearsal | None:
+    """Compares a new node with the last one in STM; None when they differ (``Mem/RehearsalSimilarity``)."""
+    if not memory.stm or params.Mem.RehearsalSimilarity >= 1.0:
+        return None
+    last_id = memory.stm[-1]
+    alike = similarity(WordBag.of(node), memory.bags[last_id])
+    if alike < params.Mem.RehearsalSimilarity:
+        return None
+    weight = memory.weights[last_id] + node.weight + 1
+    return Rehearsal(last_id, alike, weight, merged=not moved(memory.nodes[last_id], node, params))
+
+
+def moved(last: Node, node: Node, params: Params) -> bool:
+    """Whether two nodes of a session are farther apart than ``RGBD/LinearUpdate`` or ``AngularUpdate``."""
+    if last.map_id != node.map_id:
+        return True
+    T_last_node = between(last.T_odom_base, node.T_odom_base)
+    far = bool((abs(T_last_node[:3, 3]) > params.RGBD.LinearUpdate).any())
+    turned = bool((abs(so3_log(T_last_node[:3, :3])) > params.RGBD.AngularUpdate).any())
+    return far or turned

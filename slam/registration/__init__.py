@@ -1,0 +1,1 @@
+"""Aligning two views: robust pose from points and pixels, with a covariance."""

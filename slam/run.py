@@ -1,0 +1,94 @@
+"""A whole run over a source, and what is said of it at the end."""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slam.evaluate import absolute_error
+from slam.sensors import Source
+from slam.slam import Slam
+from slam.trajectory import assemble
+from slam.types import LinkType, Update
+
+OnUpdate = Callable[[Update], None]
+
+
+class Tally:
+    """Counts and times the updates of a run."""
+
+    def __init__(self) -> None:
+        self._start = time.perf_counter()
+        self._odometry_ms: list[float] = []
+        self._update_ms: list[float] = []
+        self._loops: Counter[str] = Counter(dict.fromkeys(("global", "proximity", "refused"), 0))
+        self.lost_frames = 0
+
+    @property
+    def frames(self) -> int:
+        """Frames so far."""
+        return len(self._odometry_ms)
+
+    def add(self, update: Update) -> None:
+        """Takes in one update."""
+        self._odometry_ms.append(update.odometry.time_ms)
+        self.lost_frames += update.T_map_base is None
+        if update.node is not None:
+            self._update_ms.append(update.time_ms)
+        for candidate in update.candidates:
+            kind = "global" if candidate.type is LinkType.GLOBAL_CLOSURE else "proximity"
+            self._loops[kind if candidate.refusal is None else "refused"] += 1
+
+    def summary(self, slam: Slam, *, seed: int, path: Path | None) -> dict[str, Any]:
+        """The object that ``slamdeck run --json`` prints; times in milliseconds, sizes in megabytes."""
+        seconds = time.perf_counter() - self._start
+        links = Counter(link.type.label for link in slam.graph.links.values())
+        return {
+            "frames": self.frames,
+            "nodes": len(slam.graph),
+            "links": dict(sorted(links.items())),
+            "loops": dict(self._loops),
+            "ate_rmse_m": ate_rmse_m(slam),
+            "lost_frames": self.lost_frames,
+            "fps": round(self.frames / seconds, 2),
+            "median_ms": {"odometry": _median(self._odometry_ms), "update": _median(self._update_ms)},
+            "peak_rss_mb": round(peak_rss_mb(), 1),
+            "db_mb": None if path is None else round(path.stat().st_size / 1e6, 3),
+            "seed": seed,
+        }
+
+
+def run(source: Source, slam: Slam, on_update: OnUpdate) -> Tally:
+    """Processes every frame of a source; ``on_update`` is called after each."""
+    tally = Tally()
+    for frame in source:
+        update = slam.process(frame)
+        tally.add(update)
+        on_update(update)
+    return tally
+
+
+def ate_rmse_m(slam: Slam) -> float | None:
+    """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""
+    path = assemble(slam.frames, slam.graph.poses)
+    known = np.isfinite(path.T_world_base[:, 0, 3])
+    if known.sum() < 3:
+        return None
+    return absolute_error(path.T_world_base[known], path.T_map_base[known]).rmse_m
+
+
+def peak_rss_mb() -> float:
+    """Largest resident size of this process so far, megabytes."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / 1e6 if sys.platform == "darwin" else peak * 1024 / 1e6
+
+
+def _median(values: list[float]) -> float | None:
+    return round(float(np.median(values)), 2) if values else None

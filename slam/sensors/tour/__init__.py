@@ -1,0 +1,1 @@
+"""A rendered walk through a furnished flat, with exact truth: input that needs no download."""

@@ -1,0 +1,294 @@
+"""One frame in, one update out: the order of the pipeline, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from slam.clock import StageClock
+from slam.database import MapReader, MapWriter, NodeRecord, WordRows
+from slam.errors import ParameterError
+from slam.geometry import Pose, between
+from slam.graph.graph import PoseGraph
+from slam.loop.closing import Closed, close
+from slam.loop.detector import Belief, LoopDetector
+from slam.maps.grid_layer import GridLayer
+from slam.memory.long_term import DatabaseMemory, RamMemory
+from slam.memory.memory import Memory
+from slam.memory.rehearsal import Rehearsal, moved, rehearse
+from slam.memory.retrieval import choose_retrieval
+from slam.memory.transfer import choose_transfer
+from slam.odometry.frame_to_map import FrameToMap
+from slam.params import Effect, Params, Value, spec
+from slam.statistics import Facts, describe
+from slam.types import UNKNOWN_VARIANCE, Frame, Link, LinkType, LocalGrid, Node, Odometry, TrackedFrame, Update
+
+#: Stamps of a 30 Hz camera jitter by less than this share of the time between two updates.
+_JITTER = 0.05
+
+
+class Slam:
+    """An RGB-D graph SLAM engine; synchronous, and repeatable bit for bit for the same frames, parameters and seed.
+
+    Attributes:
+        params: in force now.
+        graph: all nodes and links with their optimised poses.
+        memory: the tiers.
+        frames: every frame so far; each hangs on a node.
+    """
+
+    def __init__(self, params: Params, writer: MapWriter | None = None, *, seed: int = 0, source: str = "") -> None:
+        """An engine on an empty map.
+
+        Args:
+            params: to start with.
+            writer: of a new map file with its first session begun; without one nothing is stored.
+            seed: of everything random.
+            source: what the frames come from, for the sessions that odometry begins anew.
+        """
+        self.params = params
+        self.graph = PoseGraph()
+        self.memory = Memory(RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path)), seed=seed)
+        self.frames: list[TrackedFrame] = []
+        self._writer = writer
+        self._seed, self._source = seed, source
+        self._odometry = FrameToMap()
+        self._loops = LoopDetector()
+        self._grid = GridLayer(params)
+        self._unwritten: list[TrackedFrame] = []
+        self._weights: dict[int, int] = {}
+        self._covariance = np.zeros((6, 6))
+        self._last: Node | None = None
+        self._last_stamp = -np.inf
+        self._last_loop = 0
+        self._travelled_m = 0.0
+
+    def process(self, frame: Frame) -> Update:
+        """Tracks a frame and, where it is due and somewhere new, makes it a node of the map."""
+        odometry = self._odometry.track(frame, self.params)
+        self._collect(odometry)
+        if not self._due(frame, odometry):
+            self._hang(frame, odometry)
+            return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
+        return self._update(frame, odometry)
+
+    def set_params(self, changes: Mapping[str, Value]) -> Params:
+        """Changes parameters from the next frame on; returns those in force.
+
+        Raises:
+            ParameterError: unknown, out of bounds, or not one that can change while mapping.
+        """
+        params = self.params.changed(changes)
+        for name in changes:
+            if spec(name).effect is not Effect.LIVE:
+                raise ParameterError(f"{name} takes effect with the {spec(name).effect.value}, not while mapping")
+        self.params = params
+        if self._writer is not None:
+            for name in changes:
+                self._writer.parameter_change(0 if self._last is None else self._last.id, name, params.get(name))
+        return params
+
+    def poses_changed(self) -> None:
+        """Somebody moved the graph's poses (a decision): the grid follows, and is stored."""
+        self._grid.move(self.graph.poses)
+        if self._writer is not None:
+            self._writer.save_grid(self._grid.occupancy())
+
+    def close(self) -> None:
+        """Ends the session in order: all that is tracked is stored, the file is one plain file again."""
+        if self._writer is None:
+            return
+        self._writer.add_frames(self._unwritten)
+        self._unwritten = []
+        self._writer.update_nodes(self._weights)
+        self._writer.close_session(
+            ram_ids=self._wm_ids(), ram_word_ids=self.memory.dictionary.ids(), params=self.params, clean=True
+        )
+        self._writer.close()
+
+    def _update(self, frame: Frame, odometry: Odometry) -> Update:
+        clock = StageClock()
+        self._last_stamp = frame.stamp
+        with clock.stage("Timing/Memory_update/ms"):
+            node, words = self._make_node(frame, odometry)
+            rehearsal = rehearse(node, self.memory, self.params)
+            if self._last is not None and not moved(self._last, node, self.params):
+                return self._dismiss(frame, odometry, node, rehearsal)
+            neighbor = self._insert(node)
+            self._hang(frame, odometry)
+        belief = self._loops.recognize(node, self.memory, self.graph, self.params, clock)
+        with clock.stage("Timing/Reactivation/ms"):
+            retrieved = self._retrieve(node, belief)
+        tried = self._loops.candidates(node, belief, self.memory, self.graph, self.params, clock)
+        with clock.stage("Timing/Map_optimization/ms"):
+            closed = close(self.graph, tried, self.params)
+            node = self._weigh(node, rehearsal, closed)
+        with clock.stage("TimingMem/Occupancy_grid/ms"):
+            grid = self._grid.add(node.id, frame, self.graph.poses, self.params)
+            if closed.optimized:
+                self._grid.move(self.graph.poses)
+        with clock.stage("Timing/Forgetting/ms"):
+            transferred = self._transfer(belief, retrieved, clock.elapsed_ms)
+        facts = Facts(node, belief, closed, rehearsal, odometry, retrieved, transferred, self._travelled_m)
+        update = Update(
+            frame_index=frame.index,
+            stamp=frame.stamp,
+            odometry=odometry,
+            T_map_base=self.graph.poses[node.id],
+            node=node,
+            weight=node.weight,
+            posterior=belief.posterior,
+            candidates=closed.candidates,
+            tiers=self.memory.take_moves(),
+            optimized=closed.optimized,
+            statistics=describe(facts, self.memory, self.graph, clock),
+            time_ms=clock.elapsed_ms,
+        )
+        self._write(frame, update, (*neighbor, *closed.links), words, grid)
+        self._last, self._covariance = node, np.zeros((6, 6))
+        return replace(update, time_ms=clock.elapsed_ms)
+
+    def _due(self, frame: Frame, odometry: Odometry) -> bool:
+        """Whether a map update is due for this frame (``Rtabmap/DetectionRate``, by the frames' stamps)."""
+        if odometry.T_odom_base is None:
+            return False
+        rate = self.params.Rtabmap.DetectionRate
+        return rate == 0 or frame.stamp - self._last_stamp >= (1.0 - _JITTER) / rate or self._restarted()
+
+    def _restarted(self) -> bool:
+        """Whether odometry began anew since the last node."""
+        return bool(self._covariance[0, 0] >= UNKNOWN_VARIANCE)
+
+    def _collect(self, odometry: Odometry) -> None:
+        """Keeps the largest covariance since the last node: frames share the local map, so errors don't add up."""
+        if odometry.T_odom_base is not None and odometry.covariance[0, 0] > self._covariance[0, 0]:
+            self._covariance = odometry.covariance
+
+    def _in_map(self, odometry: Odometry) -> Pose | None:
+        if odometry.T_odom_base is None or self._last is None:
+            return odometry.T_odom_base
+        return np.asarray(self.graph.correction @ odometry.T_odom_base)
+
+    def _hang(self, frame: Frame, odometry: Odometry) -> None:
+        """Adds a frame to the trajectory, relative to the newest node."""
+        newest = None if not len(self.graph) else self.graph.newest
+        T_node_base = None
+        if odometry.T_odom_base is not None and newest is not None:
+            T_node_base = between(self.graph.T_odom[newest], odometry.T_odom_base)
+        lost = "" if odometry.lost is None else odometry.lost.text
+        tracked = TrackedFrame(
+            index=frame.index,
+            stamp=frame.stamp,
+            node_id=newest or 0,
+            T_node_base=T_node_base,
+            T_world_base=frame.T_world_base,
+            inliers=odometry.inliers,
+            odometry_ms=odometry.time_ms,
+            lost=lost,
+        )
+        self.frames.append(tracked)
+        self._unwritten.append(tracked)
+
+    def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
+        assert odometry.T_odom_base is not None
+        word_ids, words = self.memory.quantize(odometry.features, self.params)
+        map_id = 0 if self._last is None else self._last.map_id + int(self._restarted())
+        node = Node(
+            id=1 if self._last is None else self._last.id + 1,
+            map_id=map_id,
+            weight=0,
+            stamp=frame.stamp,
+            T_odom_base=odometry.T_odom_base,
+            features=odometry.features,
+            word_ids=word_ids,
+            camera=frame.camera,
+            T_world_base=frame.T_world_base,
+        )
+        return node, words
+
+    def _dismiss(self, frame: Frame, odometry: Odometry, node: Node, rehearsal: Rehearsal | None) -> Update:
+        """A frame of a place that is in the map already: the last node weighs more, this one is not kept."""
+        self.memory.forget_words(node)
+        if rehearsal is not None:
+            self._set_weight(rehearsal.node_id, rehearsal.weight)
+        self._hang(frame, odometry)
+        return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
+
+    def _insert(self, node: Node) -> tuple[Link, ...]:
+        """Puts a node into graph and STM; returns its link to the node before it in the same session."""
+        last, started = self._last, self._restarted() and self._last is not None
+        T_map_odom = np.eye(4) if last is None else self.graph.correction
+        self.graph.add_node(node.id, node.map_id, node.T_odom_base, T_map_odom @ node.T_odom_base)
+        self.memory.add(node, self.params)
+        if started and self._writer is not None:
+            self._writer.start_session(self.params, seed=self._seed, source=self._source)
+        if last is None or started:
+            return ()
+        T_last_node = between(last.T_odom_base, node.T_odom_base)
+        self._travelled_m += float(np.linalg.norm(T_last_node[:3, 3]))
+        information = np.asarray(np.linalg.inv(self._covariance), np.float64)
+        link = Link(node.id, last.id, LinkType.NEIGHBOR, between(node.T_odom_base, last.T_odom_base), information)
+        self.graph.add_link(link)
+        return (link,)
+
+    def _retrieve(self, node: Node, belief: Belief) -> list[int]:
+        chosen = choose_retrieval(self.memory, self.graph, node_id=node.id, best_id=belief.place, params=self.params)
+        return self.memory.retrieve(chosen, self.params)
+
+    def _weigh(self, node: Node, rehearsal: Rehearsal | None, closed: Closed) -> Node:
+        """Weights after rehearsal and loop closure: a place seen again hands its weight to its newest node."""
+        if rehearsal is not None:
+            self._set_weight(rehearsal.node_id, rehearsal.weight)
+        weight = node.weight
+        for link in closed.links:
+            if link.type is LinkType.GLOBAL_CLOSURE:
+                self._last_loop = link.to_id
+                weight += self.memory.weights[link.to_id]
+                self._set_weight(link.to_id, 0)
+        self.memory.weights[node.id] = weight
+        return replace(node, weight=weight)
+
+    def _set_weight(self, node_id: int, weight: int) -> None:
+        self.memory.weights[node_id] = self._weights[node_id] = weight
+
+    def _transfer(self, belief: Belief, retrieved: list[int], elapsed_ms: float) -> list[int]:
+        chosen = choose_transfer(
+            self.memory,
+            self.graph,
+            retrieved=retrieved,
+            elapsed_ms=elapsed_ms,
+            best_id=belief.place,
+            last_loop_id=self._last_loop,
+            params=self.params,
+        )
+        self.memory.transfer(chosen)
+        return chosen
+
+    def _write(
+        self, frame: Frame, update: Update, links: tuple[Link, ...], words: WordRows, grid: LocalGrid | None
+    ) -> None:
+        """One transaction with the node and all that its update changed."""
+        if self._writer is None or update.node is None:
+            return
+        record = NodeRecord(
+            node=update.node,
+            update=update,
+            image_bgr=frame.image_bgr,
+            depth_m=frame.depth_m,
+            links=links,
+            words=words,
+            grid=grid,
+            statistics=update.statistics,
+            wm_ids=self._wm_ids() if self.params.Rtabmap.SaveWMState else None,
+            weights={i: w for i, w in self._weights.items() if i != update.node.id},
+            frames=tuple(self._unwritten),
+            poses=self.graph.poses,
+            grid_map=self._grid.occupancy(),
+        )
+        self._writer.add_node(record)
+        self._unwritten, self._weights = [], {}
+
+    def _wm_ids(self) -> tuple[int, ...]:
+        return tuple(sorted([*self.memory.stm, *self.memory.wm]))

@@ -1,0 +1,129 @@
+"""The statistics of one update under RTAB-Map's names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from slam.clock import StageClock
+from slam.geometry import Pose, rotation_angle, to_euler_rpy, translation_norm
+from slam.graph.graph import PoseGraph
+from slam.loop.closing import Closed
+from slam.loop.detector import Belief
+from slam.memory.memory import Memory
+from slam.memory.rehearsal import Rehearsal
+from slam.types import Candidate, LinkType, Node, Odometry
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facts:
+    """What the stages of one update found out."""
+
+    node: Node
+    belief: Belief
+    closed: Closed
+    rehearsal: Rehearsal | None
+    odometry: Odometry
+    retrieved: Sequence[int]
+    transferred: Sequence[int]
+    travelled_m: float
+
+
+def describe(facts: Facts, memory: Memory, graph: PoseGraph, clock: StageClock) -> dict[str, float]:
+    """All statistics of an update, name -> value; ``Timing/Total/ms`` is what has passed when this is called."""
+    return {
+        **_loop(facts),
+        **_closure(facts.closed),
+        **_pose(graph.poses[facts.node.id], graph.correction),
+        **_memory(facts, memory, graph),
+        **_odometry(facts.odometry),
+        **clock.values,
+        "Timing/Total/ms": clock.elapsed_ms,
+    }
+
+
+def _loop(facts: Facts) -> dict[str, float]:
+    candidates = facts.closed.candidates
+    proximity = [c for c in candidates if c.type is LinkType.LOCAL_SPACE_CLOSURE]
+    hypothesis = next((c for c in candidates if c.type is LinkType.GLOBAL_CLOSURE), None)
+    accepted = 0 if hypothesis is None or hypothesis.refusal is not None else hypothesis.to_id
+    shown = _most_telling(candidates)
+    posterior = facts.belief.posterior
+    near = [c.to_id for c in proximity if c.refusal is None]
+    return {
+        "Loop/Id/": float(accepted),
+        "Loop/Map_id/": float(facts.node.map_id),
+        "Loop/Accepted_hypothesis_id/": float(accepted),
+        "Loop/RejectedHypothesis/": float(hypothesis is not None and not accepted),
+        "Loop/Highest_hypothesis_id/": 0.0 if posterior is None else float(posterior.best_id),
+        "Loop/Highest_hypothesis_value/": 0.0 if posterior is None else posterior.value,
+        "Loop/Vp_hypothesis/": 0.0 if posterior is None else posterior.virtual_place,
+        "Loop/Visual_matches/": 0.0 if shown is None else float(shown.matches),
+        "Loop/Visual_inliers/": 0.0 if shown is None else float(shown.inliers),
+        "Loop/Visual_words/": float((facts.node.word_ids > 0).sum()),
+        "Proximity/Space_visual_paths_checked/": float(len(proximity)),
+        "Proximity/Space_detections_added_visually/": float(len(near)),
+        "Proximity/Space_last_detection_id/": float(near[-1] if near else 0),
+    }
+
+
+def _most_telling(candidates: Sequence[Candidate]) -> Candidate | None:
+    return max(candidates, key=lambda c: c.inliers, default=None)
+
+
+def _closure(closed: Closed) -> dict[str, float]:
+    if closed.closure is None:
+        return {}
+    worst, optimized = closed.closure.worst, closed.closure.optimized
+    return {
+        "Loop/Optimization_max_error/m": worst.linear_m,
+        "Loop/Optimization_max_error_ratio/": worst.linear,
+        "Loop/Optimization_max_ang_error/deg": float(np.degrees(worst.angular_rad)),
+        "Loop/Optimization_max_ang_error_ratio/": worst.angular,
+        "Loop/Optimization_error/": optimized.chi2_after,
+        "Loop/Optimization_iterations/": float(optimized.iterations),
+    }
+
+
+def _pose(T_map_base: Pose, T_map_odom: Pose) -> dict[str, float]:
+    values = {
+        "Loop/MapToOdom_norm/m": translation_norm(T_map_odom),
+        "Loop/MapToOdom_angle/deg": float(np.degrees(rotation_angle(T_map_odom))),
+    }
+    for frame, T in (("MapToBase", T_map_base), ("MapToOdom", T_map_odom)):
+        values.update({f"Loop/{frame}_{axis}/m": float(T[k, 3]) for k, axis in enumerate("xyz")})
+        angles = np.degrees(to_euler_rpy(T))
+        values.update(
+            {f"Loop/{frame}_{axis}/deg": float(a) for axis, a in zip(("roll", "pitch", "yaw"), angles, strict=True)}
+        )
+    return values
+
+
+def _memory(facts: Facts, memory: Memory, graph: PoseGraph) -> dict[str, float]:
+    rehearsal = facts.rehearsal
+    return {
+        "Memory/Short_time_memory_size/": float(len(memory.stm)),
+        "Memory/Working_memory_size/": float(len(memory.wm)),
+        "Memory/Long_term_memory_size/": float(len(memory.ltm)),
+        "Memory/Local_graph_size/": float(len(graph)),
+        "Memory/Signatures_removed/": float(len(facts.transferred)),
+        "Memory/Signatures_retrieved/": float(len(facts.retrieved)),
+        "Memory/Rehearsal_id/": 0.0 if rehearsal is None else float(rehearsal.node_id),
+        "Memory/Rehearsal_sim/": 0.0 if rehearsal is None else rehearsal.similarity,
+        "Memory/Distance_travelled/m": facts.travelled_m,
+        "Keypoint/Dictionary_size/words": float(len(memory.dictionary)),
+        "Keypoint/Current_frame/words": float((facts.node.word_ids > 0).sum()),
+    }
+
+
+def _odometry(odometry: Odometry) -> dict[str, float]:
+    return {
+        "Odometry/Features/": float(len(odometry.features)),
+        "Odometry/Inliers/": float(odometry.inliers),
+        "Odometry/KeyFrameAdded/": float(odometry.keyframe),
+        "Odometry/TotalTime/ms": odometry.time_ms,
+        "Memory/Odometry_variance_lin/": float(odometry.covariance[0, 0]),
+        "Memory/Odometry_variance_ang/": float(odometry.covariance[3, 3]),
+    }
