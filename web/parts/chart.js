@@ -13,7 +13,7 @@ import { color, theme } from "../theme.js";
  * @property {(value: number | null) => string} [text]
  */
 /** @typedef {{value: number, token: string}} Threshold */
-/** @typedef {{at: number, height: number}} Mark a loop, at x, with the value that led to it */
+/** @typedef {{at: number, height: number}} Mark a loop, at x, with the hypothesis that led to it; 0 for a proximity one */
 /**
  * @typedef {object} ChartProps
  * @property {string} label for screen readers
@@ -153,12 +153,14 @@ function drawMark(u, { at, height }, stem) {
   const { ctx, bbox } = u;
   const px = devicePixelRatio;
   const x = Math.round(u.valToPos(at, "x", true));
+  ctx.globalAlpha = height ? 1 : 0.45;
   ctx.beginPath();
   ctx.moveTo(x - 3 * px, bbox.top);
   ctx.lineTo(x + 3 * px, bbox.top);
   ctx.lineTo(x, bbox.top + 5 * px);
   ctx.fill();
-  if (!stem) return;
+  ctx.globalAlpha = 1;
+  if (!stem || !height) return;
   ctx.lineWidth = 2 * px;
   ctx.beginPath();
   ctx.moveTo(x, u.valToPos(0, "y", true));

@@ -7,6 +7,7 @@ import { columns, info, scene } from "../store.js";
 
 export const STM = "Memory/Short_time_memory_size/";
 export const WM = "Memory/Working_memory_size/";
+export const LTM = "Memory/Long_term_memory_size/";
 
 export function Legend() {
   const now = scene.value;

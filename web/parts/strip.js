@@ -5,13 +5,13 @@ import * as text from "../format.js";
 import { go } from "../router.js";
 import { columns, inForce } from "../store.js";
 import { Chart } from "./chart.js";
-import { STM, WM } from "./legend.js";
+import { LTM, STM, WM } from "./legend.js";
 
 export const TIME = "Timing/Total/ms";
 export const HYPOTHESIS = "Loop/Highest_hypothesis_value/";
 export const ACCEPTED = "Loop/Accepted_hypothesis_id/";
-const LTM = "Memory/Long_time_memory_size/";
-const NAMES = [TIME, STM, WM, LTM, HYPOTHESIS, ACCEPTED];
+const NEAR = "Proximity/Space_last_detection_id/";
+const NAMES = [TIME, STM, WM, LTM, HYPOTHESIS, ACCEPTED, NEAR];
 
 /** @typedef {import("../columns.js").Columns} Columns */
 
@@ -37,9 +37,11 @@ export function Strip() {
 
 /** The nodes at which a loop was closed. @param {Columns} data @returns {import("./chart.js").Mark[]} */
 function closures(data) {
-  const accepted = data.column(ACCEPTED);
-  const hypothesis = data.column(HYPOTHESIS);
-  return data.ids.flatMap((id, row) => (accepted[row] ? [{ at: id, height: hypothesis[row] ?? 0 }] : []));
+  const [accepted, near, hypothesis] = [ACCEPTED, NEAR, HYPOTHESIS].map((name) => data.column(name));
+  return data.ids.flatMap((id, row) => {
+    if (accepted[row]) return [{ at: id, height: hypothesis[row] ?? 0 }];
+    return near[row] ? [{ at: id, height: 0 }] : [];
+  });
 }
 
 /** @param {StripProps} props */
