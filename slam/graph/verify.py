@@ -9,8 +9,9 @@ import numpy as np
 
 from slam.errors import OptimizationError
 from slam.geometry import Array, Pose, inverse
-from slam.graph.graph import PoseGraph, name
+from slam.graph.graph import PoseGraph, ascending, name
 from slam.graph.optimizer import Optimized, choose_root, optimize
+from slam.graph.shift import angles
 from slam.params import Params
 from slam.types import UNKNOWN_VARIANCE, Link, Refusal
 
@@ -83,12 +84,13 @@ def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
     As in RTAB-Map the linear ratio is the largest axis over the largest sigma of the three; axes of unknown variance
     (9999 and up) are left out when sigma is picked, and a part of which no axis is known isn't judged (ratio 0).
     """
+    links = [ascending(link) for link in links]
     T_from_to = np.array([link.T_from_to for link in links])
     T_map_from = np.array([poses[link.from_id] for link in links])
     T_map_to = np.array([poses[link.to_id] for link in links])
     T_is = inverse(T_map_from) @ T_map_to
     metres = np.abs(T_is[:, :3, 3] - T_from_to[:, :3, 3]).max(axis=1)
-    radians = _angles(inverse(T_from_to) @ T_is)
+    radians = angles(inverse(T_from_to) @ T_is)
     known = np.array([np.diagonal(link.information) for link in links])
     known = np.where(known > 1.0 / UNKNOWN_VARIANCE, known, np.inf)
     weight = np.sqrt(np.column_stack([known[:, :3].min(axis=1), known[:, 3:].min(axis=1)]))
@@ -161,10 +163,3 @@ def _take_back(graph: PoseGraph, added: Sequence[Link], poses: dict[int, Pose]) 
     for link in reversed(added):
         graph.remove_link(link.pair)
     graph.poses = poses
-
-
-def _angles(T: Array) -> Array:
-    """Rotation angles (N,) in [0, pi] of poses (N, 4, 4), exact for small ones too."""
-    R = T[:, :3, :3]
-    axis = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
-    return np.asarray(np.arctan2(np.linalg.norm(axis, axis=1), np.trace(R, axis1=1, axis2=2) - 1.0))

@@ -65,25 +65,6 @@ def read_table(path: Path, columns: str) -> NDArray[np.float64]:
     return np.array(rows, dtype=np.float64).reshape(-1, width)
 
 
-def pair_nearest(first: NDArray[np.float64], second: NDArray[np.float64], within_s: float) -> NDArray[np.intp]:
-    """One-to-one pairs of ascending stamps, (P, 2) rows of (first, second), ascending in first.
-
-    The closest pairs are made first; equal distances go to the earlier stamps, so the outcome is unique.
-    """
-    low = np.searchsorted(second, first - within_s, side="left")
-    high = np.searchsorted(second, first + within_s, side="right")
-    rows = np.repeat(np.arange(len(first)), high - low)
-    columns = np.concatenate([np.arange(a, b) for a, b in zip(low, high, strict=True)] or [np.empty(0, np.intp)])
-    order = np.lexsort((columns, rows, np.abs(first[rows] - second[columns.astype(np.intp)])))
-    partner: dict[int, int] = {}
-    taken: set[int] = set()
-    for row, column in zip(rows[order].tolist(), columns[order].tolist(), strict=True):
-        if row not in partner and column not in taken:
-            partner[row] = column
-            taken.add(column)
-    return np.array(sorted(partner.items()), dtype=np.intp).reshape(-1, 2)
-
-
 def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     try:
         text = path.read_text(encoding="utf-8-sig")

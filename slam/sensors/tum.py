@@ -15,9 +15,10 @@ from slam.sensors.ahead import ahead
 from slam.sensors.calibration import read_calibration
 from slam.sensors.gravity import Gravity
 from slam.sensors.images import read_color, read_depth
-from slam.sensors.lists import pair_nearest, read_image_list
+from slam.sensors.lists import read_image_list
 from slam.sensors.rectify import make_rectifier
 from slam.sensors.truth import Truth
+from slam.stamps import pair_nearest
 from slam.types import Frame
 
 #: Colour and depth farther apart in time are not one frame.

@@ -16,7 +16,7 @@ _CORNERS = np.array(
     [[1.0, 0.85], [6.5, 1.45], [12.95, 0.9], [12.4, 4.8], [12.9, 8.9], [7.3, 8.4], [1.1, 9.0], [1.75, 5.0]]
 )
 #: Rounding; a right angle becomes a turn of at most 1.13 / this radians per metre.
-_SMOOTHING_M = 2.2
+_SMOOTHING_M = 2.4
 _STEP_M = 0.01
 #: How far a lap lies beside the one before, least and most, and all laps together at most.
 _ASIDE_M = (0.08, 0.12)
@@ -50,7 +50,7 @@ class Walk:
         here, ahead = self._position(time_s), self._position(time_s + _LOOK_AHEAD_S)
         sway = self._sway
         heading = float(np.arctan2(ahead[1] - here[1], ahead[0] - here[0]))
-        yaw = heading + _GLANCE_RAD + 0.12 * sway(0, 0.05, time_s) + 0.02 * sway(1, 0.21, time_s)
+        yaw = heading + _GLANCE_RAD + 0.10 * sway(0, 0.05, time_s) + 0.02 * sway(1, 0.21, time_s)
         pitch = 0.05 + 0.020 * sway(2, 0.17, time_s) + 0.006 * sway(3, 0.9, time_s)
         roll = 0.015 * sway(4, 0.13, time_s) + 0.008 * sway(5, 0.45, time_s)
         height = EYE_HEIGHT_M + 0.012 * sway(6, 0.9, time_s) + 0.02 * sway(7, 0.11, time_s)
