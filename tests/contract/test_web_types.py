@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.contract.node_tools import TYPES, run_tool
 from tests.contract.web_types import generate
+
+from tests.contract.node_tools import TYPES, run_tool
 
 
 def test_generated_types_are_up_to_date(tmp_path: Path) -> None:

@@ -11,7 +11,13 @@ import pytest
 from tests.contract.node_tools import WEB
 
 VENDOR = WEB / "vendor"
-OWN = [*WEB.glob("*.js"), *WEB.glob("views/*.js"), *WEB.glob("parts/*.js"), *WEB.glob("styles/*.css"), WEB / "index.html"]
+OWN = [
+    *WEB.glob("*.js"),
+    *WEB.glob("views/*.js"),
+    *WEB.glob("parts/*.js"),
+    *WEB.glob("styles/*.css"),
+    WEB / "index.html",
+]
 MAP_COMMENT = re.compile(r"\n?//# sourceMappingURL=.*\s*$")
 
 
