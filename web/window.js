@@ -24,6 +24,8 @@ export class Window {
     this.last = PAGE;
     /** Answers to questions of an earlier generation are dropped. */
     this.generation = 0;
+    this.underway = 0;
+    this.stale = false;
     this.revision = signal(0);
   }
 
@@ -31,13 +33,16 @@ export class Window {
   ask(order, query) {
     this.order = order;
     this.query = query;
+    this.generation += 1;
+    this.underway = 0;
     this.pages.clear();
     this.refresh();
   }
 
-  /** Fetch again what is in sight; the old rows stay until then. */
+  /** Fetch again what is in sight, once what is on its way is here; the old rows stay until then. */
   refresh() {
-    this.generation += 1;
+    this.stale = this.underway > 0;
+    if (this.stale) return;
     this.asked.clear();
     this.show(this.first, this.last);
   }
@@ -68,6 +73,7 @@ export class Window {
   /** @param {number} page */
   async #fetch(page) {
     this.asked.add(page);
+    this.underway += 1;
     const generation = this.generation;
     const query = { offset: page * PAGE, limit: PAGE, order: this.order, q: this.query };
     try {
@@ -81,6 +87,8 @@ export class Window {
       this.error = /** @type {Error} */ (error);
     }
     this.loaded = true;
+    this.underway -= 1;
     this.revision.value += 1;
+    if (this.stale) this.refresh();
   }
 }

@@ -11,20 +11,43 @@ import { useCallback, useEffect, useRef } from "preact/hooks";
 export function useFetched(load, dependencies) {
   const data = useSignal(/** @type {T | null} */ (null));
   const error = useSignal(/** @type {Error | null} */ (null));
-  const running = useRef(/** @type {AbortController | null} */ (null));
-  const reload = useCallback(() => {
-    running.current?.abort();
-    const abort = (running.current = new AbortController());
-    void load(abort.signal)?.then(
-      (found) => !abort.signal.aborted && ((error.value = null), (data.value = found)),
-      (failure) => !abort.signal.aborted && (error.value = failure),
-    );
-  }, dependencies);
+  const latest = useRef(load);
+  const reload = useRef(() => {});
+  latest.current = load;
   useEffect(() => {
-    reload();
-    return () => running.current?.abort();
-  }, [reload]);
-  return { data, error, reload };
+    const abort = new AbortController();
+    let running = false;
+    let again = false;
+    // A slow answer is waited for, so that changes in quick succession can't starve it.
+    const run = async () => {
+      if (running) return void (again = true);
+      [running, again] = [true, false];
+      await settle(latest.current(abort.signal), abort.signal, data, error);
+      running = false;
+      if (again && !abort.signal.aborted) void run();
+    };
+    reload.current = () => void run();
+    void run();
+    return () => abort.abort();
+  }, dependencies);
+  return { data, error, reload: useCallback(() => reload.current(), []) };
+}
+
+/**
+ * @template T
+ * @param {Promise<T> | null} work
+ * @param {AbortSignal} aborted
+ * @param {{value: T | null}} data
+ * @param {{value: Error | null}} error
+ */
+async function settle(work, aborted, data, error) {
+  if (!work) return;
+  try {
+    const found = await work;
+    if (!aborted.aborted) [data.value, error.value] = [found, null];
+  } catch (failure) {
+    if (!aborted.aborted) error.value = /** @type {Error} */ (failure);
+  }
 }
 
 /**

@@ -1,5 +1,4 @@
 // All nodes of the map in a table that fetches what is in sight, and the inspector of one.
-import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import * as text from "../format.js";
@@ -39,19 +38,21 @@ export function Nodes() {
   const [query, setQuery] = useState("");
   const rows = useMemo(() => new Window(map), [map]);
   const selected = Number(route.value.key ?? 0);
-  const index = useSignal(-1);
+  // A row that was chosen before it arrived: it is selected as soon as it is here.
+  const [wanted, setWanted] = useState(-1);
 
   useEffect(() => rows.ask(order, query), [rows, order, query]);
   useEffect(() => void (columns.value && rows.refresh()), [graphRevision.value]);
   useChanged(/** @type {import("../columns.js").Columns} */ (columns.value).revision, () => rows.refresh());
 
   void rows.revision.value;
-  const at = rows.at(index.value)?.id === selected ? index.value : rows.find(selected);
   const select = (/** @type {number} */ row) => {
-    index.value = row;
     const found = rows.at(row);
     if (found) go({ view: "nodes", key: found.id });
+    setWanted(found ? -1 : row);
   };
+  useEffect(() => void (wanted >= 0 && rows.at(wanted) && select(wanted)));
+  const at = wanted >= 0 ? wanted : rows.find(selected);
   const step = (/** @type {number} */ by) => select(Math.max(0, Math.min(rows.total - 1, at + by)));
   useKeys({ j: () => step(1), k: () => step(-1) });
 
