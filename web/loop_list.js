@@ -52,7 +52,7 @@ export class LoopList {
   /** @param {Filter} filter @returns {LoopRow[]} */
   rows({ states, type, minInliers, order }) {
     const fits = (/** @type {LoopRow} */ loop) =>
-      (!states.length || states.includes(loop.state)) && (!type || loop.type === type) && (!minInliers || loop.inliers >= minInliers);
+      (!states.length || states.includes(loop.state)) && (!type || loop.type === type) && (!minInliers || (loop.inliers ?? 0) >= minInliers);
     const down = order.startsWith("-");
     const key = /** @type {keyof LoopRow} */ (order.replace("-", ""));
     const sign = down ? -1 : 1;

@@ -31,6 +31,7 @@ import { color, theme } from "../theme.js";
  */
 
 const CURSOR = "slamdeck";
+const MANY_MARKS = 120;
 
 /** @param {ChartProps} props */
 export function Chart(props) {
@@ -143,17 +144,17 @@ function drawGuides(u, { thresholds = [], marks = [], stems = false }) {
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
   ctx.clip();
   ctx.strokeStyle = ctx.fillStyle = color("loop");
-  for (const mark of marks) drawMark(u, mark, stems);
+  for (const mark of marks) drawMark(u, mark, stems, marks.length > MANY_MARKS);
   for (const { value, token } of thresholds) drawThreshold(u, value, color(token));
   ctx.restore();
 }
 
-/** @param {uPlot} u @param {Mark} mark @param {boolean} stem */
-function drawMark(u, { at, height }, stem) {
+/** @param {uPlot} u @param {Mark} mark @param {boolean} stem @param {boolean} thin */
+function drawMark(u, { at, height }, stem, thin) {
   const { ctx, bbox } = u;
   const px = devicePixelRatio;
   const x = Math.round(u.valToPos(at, "x", true));
-  ctx.globalAlpha = height ? 1 : 0.45;
+  ctx.globalAlpha = height && !thin ? 1 : 0.45;
   ctx.beginPath();
   ctx.moveTo(x - 3 * px, bbox.top);
   ctx.lineTo(x + 3 * px, bbox.top);
@@ -161,7 +162,7 @@ function drawMark(u, { at, height }, stem) {
   ctx.fill();
   ctx.globalAlpha = 1;
   if (!stem || !height) return;
-  ctx.lineWidth = 2 * px;
+  ctx.lineWidth = (thin ? 1 : 2) * px;
   ctx.beginPath();
   ctx.moveTo(x, u.valToPos(0, "y", true));
   ctx.lineTo(x, u.valToPos(height, "y", true));

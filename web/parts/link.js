@@ -59,7 +59,7 @@ function facts(found) {
   return [
     ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
     ["P", posterior === null ? text.NONE : `${text.fixed(posterior)} ${enough} ${text.short(loopThr)} LoopThr`],
-    ["Inliers", inliers === null || inliers < 0 ? text.NONE : `${inliers} of ${matches}`],
+    ["Inliers", matches === null || matches < 0 ? text.NONE : `${inliers} of ${matches}`],
     ["Translation", transform ? translationText(transform) : text.NONE],
     ["Sigma", sigma ? `${text.length(Math.max(...sigma))} · ${text.fixed(Math.max(...(sigmaDeg ?? [])), 2)} °` : text.NONE, "Largest of the three axes"],
     ["Rotation", transform ? rotationText(transform) : text.NONE],

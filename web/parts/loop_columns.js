@@ -27,7 +27,7 @@ export function StateBadge({ state, hint }) {
 export function loopColumns() {
   return [
     { key: "state", label: "State", width: "74px", sortable: true, cell: ({ state, reason }) => h(StateBadge, { state, hint: reason?.text }) },
-    { key: "from", label: "Nodes", width: "80px", sortable: true, cell: ({ from, to }) => html`${from} <span class="quiet">→</span> ${to}` },
+    { key: "from", label: "Nodes", width: "minmax(80px, 1fr)", sortable: true, cell: ({ from, to }) => html`${from} <span class="quiet">→</span> ${to}` },
     { key: "type", label: "Type", width: "66px", sortable: true, cell: ({ type }) => h(LinkName, { type }) },
     { key: "posterior", label: "P", width: "36px", sortable: true, number: true, hint: "Loop hypothesis, compared with LoopThr", cell: ({ posterior }) => text.fixed(posterior) },
     {
@@ -37,12 +37,12 @@ export function loopColumns() {
       sortable: true,
       number: true,
       hint: "Matches that agree with the transform, of all matches",
-      cell: ({ inliers, matches }) => (matches < 0 ? text.NONE : html`${inliers}<span class="quiet">/${matches}</span>`),
+      cell: ({ inliers, matches }) => (matches === null || matches < 0 ? text.NONE : html`${inliers}<span class="quiet">/${matches}</span>`),
     },
     {
       key: "residual_sigma",
       label: "Resid. σ",
-      width: "minmax(56px, 1fr)",
+      width: "58px",
       sortable: true,
       number: true,
       hint: "How far the optimised graph is from this measurement, in its own standard deviations",

@@ -9,10 +9,11 @@ import { Button } from "./button.js";
 export function NewRun({ close }) {
   const [source, setSource] = useState("tour:");
   const [name, setName] = useState("");
+  const [inRealTime, setInRealTime] = useState(true);
   const [waiting, setWaiting] = useState(false);
   const start = async () => {
     setWaiting(true);
-    const begun = await startRun({ source, map: name || suggested(source), params: {} });
+    const begun = await startRun({ source, map: name || suggested(source), params: {}, speed: inRealTime ? 1 : 0, seed: 0 });
     setWaiting(false);
     if (!begun) return;
     close();
@@ -34,6 +35,14 @@ export function NewRun({ close }) {
       <span>Map</span>
       <input class="field" name="map" value=${name} placeholder=${suggested(source)} onInput=${typed(setName)} />
       <small>Name of the new file in the served folder; an existing one is never overwritten.</small>
+    </label>
+    <label class="form-check">
+      <input
+        type="checkbox"
+        checked=${inRealTime}
+        onChange=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => setInRealTime(currentTarget.checked)}
+      />
+      <span>As fast as it was recorded; otherwise as fast as this machine can</span>
     </label>
     <div class="form-buttons">
       <button type="submit" class="button button-accent" disabled=${waiting}>${waiting ? "Starting" : "Start"}</button>

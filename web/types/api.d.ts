@@ -352,8 +352,11 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
-        /** Camera */
-        Camera: {
+        /**
+         * CameraModel
+         * @description A rectified pinhole camera, in pixels.
+         */
+        CameraModel: {
             /** Width */
             width: number;
             /** Height */
@@ -367,7 +370,10 @@ export interface components {
             /** Cy */
             cy: number;
         };
-        /** Decision */
+        /**
+         * Decision
+         * @description What to do about a loop; ``undo`` and ``redo`` take no ids.
+         */
         Decision: {
             /**
              * Action
@@ -379,13 +385,19 @@ export interface components {
             /** To */
             to?: number | null;
         };
-        /** DecisionEffect */
+        /**
+         * DecisionEffect
+         * @description What a decision did to the map.
+         */
         DecisionEffect: {
             /** Chi2 Before */
-            chi2_before: number;
+            chi2_before: number | null;
             /** Chi2 After */
-            chi2_after: number;
-            /** Moved */
+            chi2_after: number | null;
+            /**
+             * Moved
+             * @description Poses that moved by more than 1 mm or 0.05 deg.
+             */
             moved: number;
             /** Max Shift M */
             max_shift_m: number;
@@ -394,23 +406,46 @@ export interface components {
             /** Ate After M */
             ate_after_m: number | null;
         };
-        /** DecisionResult */
+        /**
+         * DecisionResult
+         * @description The decision as it was journalled, and the graph's new revision.
+         */
         DecisionResult: {
             entry: components["schemas"]["JournalEntry"];
             effect: components["schemas"]["DecisionEffect"];
             /** Revision */
             revision: number;
         };
+        /**
+         * Effect
+         * @description When a change takes effect.
+         * @enum {string}
+         */
+        Effect: "live" | "next session" | "reprocess";
         /** HTTPValidationError */
         HTTPValidationError: {
             /** Detail */
             detail?: components["schemas"]["ValidationError"][];
         };
-        /** JournalEntry */
+        /**
+         * Journal
+         * @description All decisions, oldest first.
+         */
+        Journal: {
+            /** Entries */
+            entries: components["schemas"]["JournalEntry"][];
+        };
+        /**
+         * JournalEntry
+         * @description One decision in the journal.
+         */
         JournalEntry: {
             /** Id */
             id: number;
-            /** Time */
+            /**
+             * Time
+             * @description Unix seconds.
+             */
             time: number;
             /** Author */
             author: string;
@@ -426,12 +461,10 @@ export interface components {
             undone_by: number | null;
             effect: components["schemas"]["DecisionEffect"];
         };
-        /** JournalView */
-        JournalView: {
-            /** Entries */
-            entries: components["schemas"]["JournalEntry"][];
-        };
-        /** LayerChange */
+        /**
+         * LayerChange
+         * @description Layers to switch; those left out stay.
+         */
         LayerChange: {
             /** Graph */
             graph?: boolean | null;
@@ -446,7 +479,10 @@ export interface components {
             /** Frusta */
             frusta?: boolean | null;
         };
-        /** LinkDetail */
+        /**
+         * LinkDetail
+         * @description A link, or a candidate that didn't become one, with its evidence.
+         */
         LinkDetail: {
             /** From */
             from: number;
@@ -454,8 +490,8 @@ export interface components {
             to: number;
             /** Type */
             type: string;
-            /** State */
-            state: string | null;
+            /** @description None for odometry. */
+            state: components["schemas"]["LoopState"] | null;
             /** Transform */
             transform: number[] | null;
             /** Translation M */
@@ -476,11 +512,14 @@ export interface components {
             inliers: number | null;
             /** Matches */
             matches: number | null;
-            reason?: components["schemas"]["LoopReason"] | null;
+            reason: components["schemas"]["LoopReason"] | null;
             /** Explanation */
             explanation: string;
         };
-        /** LinkMatches */
+        /**
+         * LinkMatches
+         * @description Matched key points of both images of a link; entry i of each list is the same match.
+         */
         LinkMatches: {
             from: components["schemas"]["Size"];
             to: components["schemas"]["Size"];
@@ -494,84 +533,170 @@ export interface components {
             y2: number[];
             /** Inlier */
             inlier: boolean[];
-            /** Recomputed */
+            /**
+             * Recomputed
+             * @description Matched now from the stored key points, not when the link was made.
+             */
             recomputed: boolean;
         };
-        /** LoopReason */
+        /**
+         * LoopReason
+         * @description Why a loop was refused: the test, its value and the threshold that it missed.
+         */
         LoopReason: {
             /** Test */
             test: string;
             /** Value */
-            value: number;
+            value: number | null;
             /** Threshold */
-            threshold: number;
+            threshold: number | null;
             /** Text */
             text: string;
         };
-        /** LoopRow */
+        /**
+         * LoopRow
+         * @description A loop in the review queue.
+         */
         LoopRow: {
+            /**
+             * Key
+             * @description Both ids as they are stored, ``147-61``.
+             */
+            key: string;
             /** From */
             from: number;
             /** To */
             to: number;
             /** Type */
             type: string;
-            /** Translation M */
-            translation_m: number | null;
-            /** Key */
-            key: string;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "accepted" | "refused" | "approved" | "rejected" | "added";
+            state: components["schemas"]["LoopState"];
             /** Posterior */
             posterior: number | null;
             /** Inliers */
-            inliers: number;
+            inliers: number | null;
             /** Matches */
-            matches: number;
-            /** Residual Sigma */
+            matches: number | null;
+            /**
+             * Residual Sigma
+             * @description None while the link isn't in the graph.
+             */
             residual_sigma: number | null;
-            /** Update */
+            /** Translation M */
+            translation_m: number | null;
+            /**
+             * Update
+             * @description The node whose update looked at it.
+             */
             update: number;
-            reason?: components["schemas"]["LoopReason"] | null;
+            reason: components["schemas"]["LoopReason"] | null;
         };
-        /** Loops */
+        /**
+         * LoopState
+         * @description Where a loop stands: what the engine did, or the last decision about it that stands.
+         * @enum {string}
+         */
+        LoopState: "accepted" | "refused" | "approved" | "rejected" | "added";
+        /**
+         * Loops
+         * @description Every loop that was looked at; of a pair, the last word.
+         */
         Loops: {
             /** Loops */
             loops: components["schemas"]["LoopRow"][];
-            /** Counts */
+            /**
+             * Counts
+             * @description By state.
+             */
             counts: {
                 [key: string]: number;
             };
         };
-        /** MapInfo */
+        /**
+         * MapInfo
+         * @description A map of the catalogue in detail.
+         */
         MapInfo: {
-            /** Id */
-            id: string;
-            /** Version */
+            /**
+             * Version
+             * @description Of RTAB-Map's schema.
+             */
             version: string;
             /** Sessions */
             sessions: number;
             /** Nodes */
             nodes: number;
-            /** Links */
+            /**
+             * Dropped
+             * @description Merged and dropped nodes (weight -9) that are kept in the file, not counted in ``nodes``.
+             */
+            dropped: number;
+            /**
+             * Links
+             * @description By type name, each pair once.
+             */
             links: {
                 [key: string]: number;
             };
+            /** Words */
+            words: number;
+            /** Features */
+            features: number;
+            /** Size Bytes */
+            size_bytes: number;
+            /**
+             * Bytes By Kind
+             * @description Empty where it was not asked for.
+             */
+            bytes_by_kind: {
+                [key: string]: number;
+            };
+            /**
+             * Parameters
+             * @description Those that differ from the defaults.
+             */
+            parameters: {
+                [key: string]: string;
+            };
+            /** Seeds */
+            seeds: number[];
+            /** Sources */
+            sources: string[];
+            /**
+             * Clean
+             * @description Whether the last session was closed in order.
+             */
+            clean: boolean;
+            /** Has Poses */
+            has_poses: boolean;
+            /** First Stamp */
+            first_stamp: number | null;
+            /** Last Stamp */
+            last_stamp: number | null;
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
             /** Loops */
             loops: number;
-            /** Live */
+            /**
+             * Live
+             * @description Whether an engine is mapping it now.
+             */
             live: boolean;
             /** Writable */
             writable: boolean;
             /** Has Truth */
             has_truth: boolean;
-            /** Ate M */
-            ate_m?: number | null;
+            /**
+             * Ate M
+             * @description Absolute trajectory error against ground truth, SE(3)-aligned over all frames.
+             */
+            ate_m: number | null;
         };
-        /** MapSummary */
+        /**
+         * MapSummary
+         * @description A map in the list.
+         */
         MapSummary: {
             /** Id */
             id: string;
@@ -579,7 +704,10 @@ export interface components {
             name: string;
             /** Size Bytes */
             size_bytes: number;
-            /** Modified */
+            /**
+             * Modified
+             * @description Unix seconds.
+             */
             modified: number;
             /** Version */
             version: string;
@@ -595,15 +723,24 @@ export interface components {
             loops: number;
             /** Live */
             live: boolean;
-            /** Error */
+            /**
+             * Error
+             * @description Why the file can't be opened.
+             */
             error?: string | null;
         };
-        /** Maps */
+        /**
+         * Maps
+         * @description All maps under the served folders.
+         */
         Maps: {
             /** Maps */
             maps: components["schemas"]["MapSummary"][];
         };
-        /** NodeDetail */
+        /**
+         * NodeDetail
+         * @description One node in full.
+         */
         NodeDetail: {
             /** Id */
             id: number;
@@ -615,19 +752,23 @@ export interface components {
             stamp: number;
             /** Label */
             label: string;
-            /** Tier */
-            tier: ("stm" | "wm" | "ltm") | null;
+            tier: components["schemas"]["Tier"];
+            /**
+             * Words
+             * @description Key points that became words of the dictionary.
+             */
+            words: number;
+            /** Loops */
+            loops: number;
             /** Pose */
             pose: number[] | null;
             /** Odom */
             odom: number[] | null;
             /** Truth */
             truth: number[] | null;
-            camera: components["schemas"]["Camera"] | null;
+            camera: components["schemas"]["CameraModel"] | null;
             /** Features */
             features: number;
-            /** Words */
-            words: number;
             /** Links */
             links: components["schemas"]["NodeLink"][];
             /** Statistics */
@@ -638,8 +779,13 @@ export interface components {
             has_image: boolean;
             /** Has Depth */
             has_depth: boolean;
+            /** Decisions */
+            decisions: components["schemas"]["JournalEntry"][];
         };
-        /** NodeFeatures */
+        /**
+         * NodeFeatures
+         * @description Key points of a node; entry i of each list is the same one.
+         */
         NodeFeatures: {
             /** X */
             x: number[];
@@ -649,12 +795,18 @@ export interface components {
             size: number[];
             /** Angle */
             angle: number[];
-            /** Word */
+            /**
+             * Word
+             * @description Positive for a word of the dictionary.
+             */
             word: number[];
             /** Depth M */
             depth_m: (number | null)[];
         };
-        /** NodeLink */
+        /**
+         * NodeLink
+         * @description A link as seen from one of its nodes.
+         */
         NodeLink: {
             /** From */
             from: number;
@@ -665,14 +817,20 @@ export interface components {
             /** Translation M */
             translation_m: number | null;
         };
-        /** NodePage */
+        /**
+         * NodePage
+         * @description One page of the node table.
+         */
         NodePage: {
             /** Total */
             total: number;
             /** Nodes */
             nodes: components["schemas"]["NodeRow"][];
         };
-        /** NodeRow */
+        /**
+         * NodeRow
+         * @description A node in a table.
+         */
         NodeRow: {
             /** Id */
             id: number;
@@ -684,14 +842,19 @@ export interface components {
             stamp: number;
             /** Label */
             label: string;
-            /** Tier */
-            tier: ("stm" | "wm" | "ltm") | null;
-            /** Words */
+            tier: components["schemas"]["Tier"];
+            /**
+             * Words
+             * @description Key points that became words of the dictionary.
+             */
             words: number;
             /** Loops */
             loops: number;
         };
-        /** Parameter */
+        /**
+         * Parameter
+         * @description A registered parameter with its value in this map.
+         */
         Parameter: {
             /** Name */
             name: string;
@@ -714,33 +877,47 @@ export interface components {
             maximum: number | null;
             /** Meaning */
             meaning: string;
+            effect: components["schemas"]["Effect"];
             /**
-             * Effect
-             * @enum {string}
+             * Front
+             * @description One of the dozen that matter first.
              */
-            effect: "live" | "next session" | "reprocess";
-            /** Front */
             front: boolean;
         };
-        /** ParameterChanges */
+        /**
+         * ParameterChanges
+         * @description New values by name.
+         */
         ParameterChanges: {
             /** Changes */
             changes: {
                 [key: string]: boolean | number | string;
             };
         };
-        /** ParameterSet */
+        /**
+         * ParameterSet
+         * @description All parameters of a map.
+         */
         ParameterSet: {
             /** Parameters */
             parameters: components["schemas"]["Parameter"][];
-            /** Unused */
+            /**
+             * Unused
+             * @description Names stored in the file that slamdeck doesn't use.
+             */
             unused: {
                 [key: string]: string;
             };
-            /** Live */
+            /**
+             * Live
+             * @description Whether they can be changed now.
+             */
             live: boolean;
         };
-        /** Scene */
+        /**
+         * Scene
+         * @description State of a map's 3D view.
+         */
         Scene: {
             layers: components["schemas"]["SceneLayers"];
             /**
@@ -748,22 +925,32 @@ export interface components {
              * @enum {string}
              */
             colour: "memory" | "session" | "time" | "weight";
+            /** Dark */
+            dark: boolean;
             /** Selected Node */
             selected_node?: number | null;
             /** Selected Link */
             selected_link?: number[] | null;
         };
-        /** SceneChange */
+        /**
+         * SceneChange
+         * @description What to change; what is left out stays, null deselects.
+         */
         SceneChange: {
             layers?: components["schemas"]["LayerChange"] | null;
             /** Colour */
             colour?: ("memory" | "session" | "time" | "weight") | null;
+            /** Dark */
+            dark?: boolean | null;
             /** Selected Node */
             selected_node?: number | null;
             /** Selected Link */
             selected_link?: number[] | null;
         };
-        /** SceneLayers */
+        /**
+         * SceneLayers
+         * @description Which layers are shown.
+         */
         SceneLayers: {
             /**
              * Graph
@@ -796,7 +983,10 @@ export interface components {
              */
             frusta: boolean;
         };
-        /** Session */
+        /**
+         * Session
+         * @description What the engine does.
+         */
         Session: {
             /** Map */
             map: string | null;
@@ -805,7 +995,10 @@ export interface components {
              * @enum {string}
              */
             state: "idle" | "starting" | "running" | "paused" | "finished" | "stopped" | "failed";
-            /** Frame */
+            /**
+             * Frame
+             * @description Frames processed so far.
+             */
             frame: number;
             /** Frames */
             frames: number | null;
@@ -815,39 +1008,76 @@ export interface components {
             fps: number;
             /** Ate M */
             ate_m: number | null;
-            /** Lost */
+            /**
+             * Lost
+             * @description Frames that odometry could not track.
+             */
             lost: number;
             /** Message */
             message: string;
             /** Source */
             source: string | null;
-            /** Speed */
+            /**
+             * Speed
+             * @description Times real time; 0 is as fast as possible.
+             */
             speed: number;
         };
-        /** Size */
+        /**
+         * Size
+         * @description Of an image, in pixels.
+         */
         Size: {
             /** Width */
             width: number;
             /** Height */
             height: number;
         };
-        /** StartRun */
+        /**
+         * StartRun
+         * @description A new map from a source.
+         */
         StartRun: {
-            /** Source */
+            /**
+             * Source
+             * @description ``tour:`` with options, or a TUM folder under an allowed root.
+             */
             source: string;
-            /** Map */
+            /**
+             * Map
+             * @description Name of the new file in the first served folder, without ``.db``.
+             */
             map: string;
-            /** Params */
+            /**
+             * Params
+             * @default {}
+             */
             params: {
-                [key: string]: string | number | boolean;
+                [key: string]: boolean | number | string;
             };
+            /**
+             * Speed
+             * @default 0
+             */
+            speed: number;
+            /**
+             * Seed
+             * @default 0
+             */
+            seed: number;
         };
-        /** StatisticNames */
+        /**
+         * StatisticNames
+         * @description All names that the map has, sorted.
+         */
         StatisticNames: {
             /** Names */
             names: string[];
         };
-        /** Statistics */
+        /**
+         * Statistics
+         * @description Columns over the map's updates.
+         */
         Statistics: {
             /** Ids */
             ids: number[];
@@ -858,6 +1088,12 @@ export interface components {
                 [key: string]: (number | null)[];
             };
         };
+        /**
+         * Tier
+         * @description The memory a node lives in.
+         * @enum {string}
+         */
+        Tier: "stm" | "wm" | "ltm";
         /** ValidationError */
         ValidationError: {
             /** Location */
@@ -1242,7 +1478,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["JournalView"];
+                    "application/json": components["schemas"]["Journal"];
                 };
             };
             /** @description Validation Error */
