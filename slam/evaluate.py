@@ -75,7 +75,8 @@ def align(points_a: Array, points_b: Array) -> Pose:
     """
     if len(points_a) != len(points_b) or not len(points_a):
         raise SlamError(
-            f"{len(points_a)} true and {len(points_b)} found positions; a comparison needs as many of both, at least one"
+            f"{len(points_a)} true and {len(points_b)} found positions; to compare them takes as many of both, "
+            "and at least one"
         )
     mean_a, mean_b = points_a.mean(axis=0), points_b.mean(axis=0)
     U, _, Vt = np.linalg.svd((points_a - mean_a).T @ (points_b - mean_b))

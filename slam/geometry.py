@@ -62,8 +62,13 @@ def so3_exp(rotation_vector: Array) -> Array:
     K = hat(rotation_vector)
     if angle < _SMALL:
         return np.eye(3) + K + 0.5 * (K @ K)
-    a, b = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
+    a, b = np.sin(angle) / angle, _versine(angle)
     return np.asarray(np.eye(3) + a * K + b * (K @ K))
+
+
+def _versine(angle: float) -> float:
+    """(1 - cos x) / x^2 as half a square of sines: the difference would lose all digits of small angles."""
+    return float(0.5 * (np.sin(0.5 * angle) / (0.5 * angle)) ** 2)
 
 
 def so3_log(R: Array) -> Array:
@@ -84,7 +89,7 @@ def se3_exp(tangent: Array) -> Pose:
     if angle < _SMALL:
         V = np.eye(3) + 0.5 * K
     else:
-        V = np.eye(3) + (1 - np.cos(angle)) / angle**2 * K + (angle - np.sin(angle)) / angle**3 * (K @ K)
+        V = np.eye(3) + _versine(angle) * K + (angle - np.sin(angle)) / angle**3 * (K @ K)
     return make(so3_exp(phi), V @ rho)
 
 

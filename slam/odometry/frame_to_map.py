@@ -18,6 +18,8 @@ from slam.types import UNKNOWN_VARIANCE, Features, Frame, Odometry, Refusal
 
 #: After a first pose is known, projected points are searched again this near.
 _NARROW_PX = 8.0
+#: With fewer inliers than this share of the matches, the guess itself is in doubt.
+_DOUBTFUL = 0.5
 
 
 class FrameToMap:
@@ -40,8 +42,10 @@ class FrameToMap:
             return self._begin(frame, features, params, start)
         guess = self._T_odom_base @ self._motion if params.Odom.GuessMotion else self._T_odom_base
         T_odom_base, matches, inliers = self._register(features, frame.camera, guess, params)
-        if inliers.sum() < params.Vis.MinInliers:
-            T_odom_base, matches, inliers = self._relocate(features, frame.camera, params)
+        if inliers.sum() < max(params.Vis.MinInliers, _DOUBTFUL * len(matches)):
+            without_guess = self._relocate(features, frame.camera, params)
+            if without_guess[2].sum() > inliers.sum():
+                T_odom_base, matches, inliers = without_guess
         agreed = int(inliers.sum())
         if agreed < params.Vis.MinInliers:
             return self._lose(features, matches, agreed, params, start)

@@ -62,7 +62,7 @@ def test_the_benchmarks_cameras_are_known_by_name(tmp_path: Path, name: str, fx:
 @pytest.mark.parametrize("name", ["kitchen", "freiburg4_x", "fr12"])
 def test_other_names_need_a_calibration(tmp_path: Path, name: str) -> None:
     (tmp_path / name).mkdir()
-    with pytest.raises(SourceError, match="write calibration.yaml with image_width"):
+    with pytest.raises(SourceError, match=r"write calibration\.yaml with image_width"):
         read_calibration(tmp_path / name)
 
 
@@ -92,6 +92,6 @@ def test_absurd_calibrations_are_refused(tmp_path: Path, changes: dict[str, str 
 @pytest.mark.parametrize("text", ["fx: [1, 2", "just words", "- 1\n- 2\n", ""])
 def test_what_is_no_yaml_mapping_is_refused_in_one_line(tmp_path: Path, text: str) -> None:
     (tmp_path / "calibration.yaml").write_text(text)
-    with pytest.raises(SourceError, match="calibration.yaml: ") as caught:
+    with pytest.raises(SourceError, match=r"calibration\.yaml: ") as caught:
         read_calibration(tmp_path)
     assert "\n" not in str(caught.value)

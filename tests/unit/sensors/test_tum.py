@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -167,7 +168,7 @@ def test_real_sequences_open_whole(shared_data: Path, name: str, frames: int, wi
     read = list(source)
     tracked = [frame.T_world_base for frame in read if frame.T_world_base is not None]
     assert (len(source), len(read), len(tracked)) == (frames, frames, with_truth)
-    steps = [np.linalg.inv(a) @ b for a, b in zip(tracked, tracked[1:], strict=False)]
+    steps = [np.linalg.inv(a) @ b for a, b in pairwise(tracked)]
     assert max(translation_norm(step) for step in steps) < 0.4
     assert max(rotation_angle(step) for step in steps) < np.radians(25)
     assert np.median([np.count_nonzero(frame.depth_m) / frame.depth_m.size for frame in read]) > 0.5
