@@ -49,14 +49,14 @@ function App() {
 
 /** The open map in 3D and its charts; without a map the list of maps has all the room. */
 function Middle() {
-  return html`<div class="middle">
+  return html`<section class="middle" aria-label="The open map">
     ${h(SceneView, {})}
     <div class="strip-area" style=${{ height: `${stripHeight.value}px` }}>
       ${h(Splitter, { label: "Height of the charts", orientation: "horizontal", size: stripHeight, min: 90, max: () => innerHeight * 0.5 })}
       ${h(Strip, {})}
     </div>
     ${h(Splitter, { label: "Width of the panel", orientation: "vertical", size: panelWidth, min: 380, max: () => innerWidth * 0.6 })}
-  </div>`;
+  </section>`;
 }
 
 startTheme();

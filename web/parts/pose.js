@@ -26,7 +26,7 @@ export function rotationText(pose) {
 export function Poses({ rows }) {
   return html`<table class="poses">
     <thead>
-      <tr><th scope="col"></th><th scope="col">x, y, z</th><th scope="col">roll, pitch, yaw</th></tr>
+      <tr><th scope="col"><span class="sr-only">Frame</span></th><th scope="col">x, y, z</th><th scope="col">roll, pitch, yaw</th></tr>
     </thead>
     <tbody>
       ${rows.map(

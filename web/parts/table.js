@@ -53,8 +53,6 @@ export function Table(props) {
     role="table"
     aria-label=${props.label}
     aria-rowcount=${total + 1}
-    tabindex="0"
-    onKeyDown=${(/** @type {KeyboardEvent} */ event) => move(event, props)}
   >
     <div class="table-head" role="row" aria-rowindex="1" style=${{ gridTemplateColumns: tracks }}>
       ${columns.map((column) => header(column, props))}
@@ -62,7 +60,10 @@ export function Table(props) {
     <div
       class="table-body"
       role="rowgroup"
+      tabindex="0"
+      aria-label=${`${props.label}, rows`}
       ref=${body}
+      onKeyDown=${(/** @type {KeyboardEvent} */ event) => move(event, props)}
       onScroll=${(/** @type {{currentTarget: HTMLDivElement}} */ { currentTarget: at }) =>
         setView({ top: at.scrollTop, height: at.clientHeight })}
     >

@@ -21,7 +21,7 @@ const STATE_WORDS = {
 
 export function TopBar() {
   return html`<header class="topbar">
-    <a class="brand" href=${link({ map: null, view: "maps" })} aria-label="slamdeck, all maps">slam<b>deck</b></a>
+    <h1 class="brand"><a href=${link({ map: null, view: "maps" })} title="All maps">slam<b>deck</b></a></h1>
     <button
       type="button"
       class="button button-plain switcher"
