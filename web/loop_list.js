@@ -1,9 +1,12 @@
-// The loops of the open map: fetched once, then only what later updates brought; all again after a decision.
+// The loops of the open map: fetched once, then only what later updates brought; all again after a decision, and now
+// and then, since residuals change with every optimisation.
 import { signal } from "@preact/signals";
 import { get } from "./api.js";
 
 /** @typedef {import("./types/http").Schemas["LoopRow"]} LoopRow */
 /** @typedef {{states: string[], type: string, minInliers: number, order: string}} Filter no state named: all */
+
+const ALL_EVERY_MS = 10_000;
 
 export class LoopList {
   /** @param {string} map */
@@ -12,6 +15,7 @@ export class LoopList {
     /** @type {Map<string, LoopRow>} */
     this.byKey = new Map();
     this.after = 0;
+    this.allAt = 0;
     this.loaded = false;
     /** @type {Error | null} */
     this.error = null;
@@ -22,7 +26,8 @@ export class LoopList {
 
   /** @param {{all?: boolean}} [what] */
   pull({ all = false } = {}) {
-    this.queue = this.queue.then(() => this.#fetch(all ? 0 : this.after));
+    const whole = all || Date.now() - this.allAt > ALL_EVERY_MS;
+    this.queue = this.queue.then(() => this.#fetch(whole ? 0 : this.after));
     return this.queue;
   }
 
@@ -30,7 +35,10 @@ export class LoopList {
   async #fetch(after) {
     try {
       const { loops } = await get("/api/maps/{map}/loops", { path: { map: this.map }, query: { after } });
-      if (after === 0) this.byKey.clear();
+      if (after === 0) {
+        this.byKey.clear();
+        this.allAt = Date.now();
+      }
       for (const loop of loops) this.byKey.set(loop.key, loop);
       this.after = Math.max(this.after, ...loops.map((loop) => loop.update));
       this.error = null;
