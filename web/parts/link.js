@@ -46,7 +46,7 @@ export function LinkEvidence({ map, link, onStep, onDecided }) {
 function details(map, found) {
   return html`${h(MatchPicture, { map, from: found.from, to: found.to })}
     ${h(Facts, { facts: facts(found) })}
-    <p class=${`why why-${tone(found.state)}`} id="why">${found.state && h(StateBadge, { state: found.state })} ${found.explanation}</p>`;
+    <p class=${`why why-${tone(found.state)}`} id="why">${found.explanation}</p>`;
 }
 
 /** @param {LinkDetail} found @returns {import("./facts.js").Fact[]} */
@@ -57,7 +57,7 @@ function facts(found) {
   const enough = posterior !== null && posterior >= loopThr ? "≥" : "<";
   const chi2 = found.chi2 === null ? "" : ` · χ² ${text.fixed(found.chi2, 1)}`;
   return [
-    ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
+    ["Link", html`${node(from)} → ${node(to)} ${found.state ? h(StateBadge, { state: found.state }) : h(LinkName, { type })}`],
     ["P", posterior === null ? text.NONE : `${text.fixed(posterior)} ${enough} ${text.short(loopThr)} LoopThr`],
     ["Inliers", matches === null || matches < 0 ? text.NONE : `${inliers} of ${matches}`],
     ["Translation", transform ? translationText(transform) : text.NONE],
