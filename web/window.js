@@ -3,6 +3,8 @@ import { signal } from "@preact/signals";
 import { get } from "./api.js";
 
 /** @typedef {import("./types/http").Schemas["NodeRow"]} NodeRow */
+/** @typedef {import("./types/api").paths["/api/maps/{map}/nodes"]["get"]["parameters"]["query"]} NodeQuery */
+/** @typedef {NonNullable<NonNullable<NodeQuery>["order"]>} NodeOrder */
 
 const PAGE = 100;
 
@@ -10,7 +12,7 @@ export class Window {
   /** @param {string} map */
   constructor(map) {
     this.map = map;
-    this.order = "id";
+    this.order = /** @type {NodeOrder} */ ("id");
     this.query = "";
     this.total = 0;
     this.loaded = false;
@@ -29,7 +31,7 @@ export class Window {
     this.revision = signal(0);
   }
 
-  /** @param {string} order @param {string} query */
+  /** @param {NodeOrder} order @param {string} query */
   ask(order, query) {
     this.order = order;
     this.query = query;

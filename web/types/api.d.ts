@@ -11,8 +11,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Maps */
-        get: operations["maps_api_maps_get"];
+        /**
+         * List Maps
+         * @description All maps under the served folders.
+         */
+        get: operations["list_maps"];
         put?: never;
         post?: never;
         delete?: never;
@@ -28,161 +31,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Info */
-        get: operations["info_api_maps__map__get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/preview.jpg": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Prev */
-        get: operations["prev_api_maps__map__preview_jpg_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/nodes": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Nodes */
-        get: operations["nodes_api_maps__map__nodes_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/nodes/{node_id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Node */
-        get: operations["node_api_maps__map__nodes__node_id__get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/nodes/{node_id}/image": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Image */
-        get: operations["image_api_maps__map__nodes__node_id__image_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/nodes/{node_id}/depth.png": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Depth */
-        get: operations["depth_api_maps__map__nodes__node_id__depth_png_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/nodes/{node_id}/features": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Feats */
-        get: operations["feats_api_maps__map__nodes__node_id__features_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/links/{from_id}/{to_id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Link */
-        get: operations["link_api_maps__map__links__from_id___to_id__get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/links/{from_id}/{to_id}/matches": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Matches */
-        get: operations["matches_api_maps__map__links__from_id___to_id__matches_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/maps/{map}/loops": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Get Loops */
-        get: operations["get_loops_api_maps__map__loops_get"];
+        /**
+         * Get Map
+         * @description One map in detail.
+         */
+        get: operations["get_map"];
         put?: never;
         post?: never;
         delete?: never;
@@ -198,26 +51,35 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Jr */
-        get: operations["jr_api_maps__map__decisions_get"];
+        /**
+         * List Decisions
+         * @description All decisions, oldest first.
+         */
+        get: operations["list_decisions"];
         put?: never;
-        /** Decide */
-        post: operations["decide_api_maps__map__decisions_post"];
+        /**
+         * Decide
+         * @description Approve or reject a loop, undo or redo the last decision; the graph is optimised anew.
+         */
+        post: operations["decide"];
         delete?: never;
         options?: never;
         head?: never;
         patch?: never;
         trace?: never;
     };
-    "/api/maps/{map}/statistics": {
+    "/api/maps/{map}/export/poses": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /** St */
-        get: operations["st_api_maps__map__statistics_get"];
+        /**
+         * Export Poses
+         * @description The trajectory (TUM, KITTI) or the graph (g2o).
+         */
+        get: operations["export_poses"];
         put?: never;
         post?: never;
         delete?: never;
@@ -226,15 +88,198 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/maps/{map}/statistic-names": {
+    "/api/maps/{map}/graph": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /** Sn */
-        get: operations["sn_api_maps__map__statistic_names_get"];
+        /**
+         * Get Graph
+         * @description Nodes and links as columns; with ``after``, only those that changed since, where that can be told.
+         */
+        get: operations["get_graph"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/hypothesis/{node_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Hypothesis
+         * @description The belief over places after the update of a node.
+         */
+        get: operations["get_hypothesis"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/links/{from_id}/{to_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Link
+         * @description A link or a loop that was looked at, with its evidence.
+         */
+        get: operations["get_link"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/links/{from_id}/{to_id}/matches": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Link Matches
+         * @description Matched key points of both images.
+         */
+        get: operations["get_link_matches"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/loops": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Loops
+         * @description Every loop that is in the graph, was refused, or was decided about.
+         */
+        get: operations["list_loops"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Nodes
+         * @description Some rows of the node table.
+         */
+        get: operations["list_nodes"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node
+         * @description One node in full.
+         */
+        get: operations["get_node"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/depth.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Depth
+         * @description The depth image in colours, transparent where unknown.
+         */
+        get: operations["get_node_depth"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/features": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Features
+         * @description Key points with words and depth.
+         */
+        get: operations["get_node_features"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/image": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Image
+         * @description The colour image as it is stored.
+         */
+        get: operations["get_node_image"];
         put?: never;
         post?: never;
         delete?: never;
@@ -250,15 +295,105 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Gp */
-        get: operations["gp_api_maps__map__parameters_get"];
+        /**
+         * Get Parameters
+         * @description All parameters: as the engine has them while it runs, else as the file has them.
+         */
+        get: operations["get_parameters"];
         put?: never;
         post?: never;
         delete?: never;
         options?: never;
         head?: never;
-        /** Pp */
-        patch: operations["pp_api_maps__map__parameters_patch"];
+        /**
+         * Change Parameters
+         * @description Change parameters of the engine that runs; answers with the values that it has in force then.
+         */
+        patch: operations["change_parameters"];
+        trace?: never;
+    };
+    "/api/maps/{map}/preview.jpg": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Preview
+         * @description The first image, small.
+         */
+        get: operations["get_preview"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/statistic-names": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Statistic Names
+         * @description Names of all statistics that the map has.
+         */
+        get: operations["list_statistic_names"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/statistics": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Statistics
+         * @description Columns over the updates.
+         */
+        get: operations["get_statistics"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/scene/{map}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Scene
+         * @description Layers, colours and selection.
+         */
+        get: operations["get_scene"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /**
+         * Change Scene
+         * @description Change some of them, for everybody who looks at this map.
+         */
+        patch: operations["change_scene"];
         trace?: never;
     };
     "/api/session": {
@@ -268,11 +403,17 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Gs */
-        get: operations["gs_api_session_get"];
+        /**
+         * Get Session
+         * @description What the engine does.
+         */
+        get: operations["get_session"];
         put?: never;
-        /** Start */
-        post: operations["start_api_session_post"];
+        /**
+         * Start Session
+         * @description Start mapping a source into a new map.
+         */
+        post: operations["start_session"];
         delete?: never;
         options?: never;
         head?: never;
@@ -288,60 +429,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Cmd */
-        post: operations["cmd_api_session__command__post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/scene/{map}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Gsc */
-        get: operations["gsc_api_scene__map__get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        /** Psc */
-        patch: operations["psc_api_scene__map__patch"];
-        trace?: never;
-    };
-    "/mock/{what}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /** Mk */
-        post: operations["mk_mock__what__post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/viser/{map}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Vis */
-        get: operations["vis_viser__map__get"];
-        put?: never;
-        post?: never;
+        /**
+         * Command Session
+         * @description Pause, go on, take one step, or stop and close the map.
+         */
+        post: operations["command_session"];
         delete?: never;
         options?: never;
         head?: never;
@@ -357,18 +449,18 @@ export interface components {
          * @description A rectified pinhole camera, in pixels.
          */
         CameraModel: {
-            /** Width */
-            width: number;
-            /** Height */
-            height: number;
-            /** Fx */
-            fx: number;
-            /** Fy */
-            fy: number;
             /** Cx */
             cx: number;
             /** Cy */
             cy: number;
+            /** Fx */
+            fx: number;
+            /** Fy */
+            fy: number;
+            /** Height */
+            height: number;
+            /** Width */
+            width: number;
         };
         /**
          * Decision
@@ -390,29 +482,29 @@ export interface components {
          * @description What a decision did to the map.
          */
         DecisionEffect: {
-            /** Chi2 Before */
-            chi2_before: number | null;
+            /** Ate After M */
+            ate_after_m: number | null;
+            /** Ate Before M */
+            ate_before_m: number | null;
             /** Chi2 After */
             chi2_after: number | null;
+            /** Chi2 Before */
+            chi2_before: number | null;
+            /** Max Shift M */
+            max_shift_m: number;
             /**
              * Moved
              * @description Poses that moved by more than 1 mm or 0.05 deg.
              */
             moved: number;
-            /** Max Shift M */
-            max_shift_m: number;
-            /** Ate Before M */
-            ate_before_m: number | null;
-            /** Ate After M */
-            ate_after_m: number | null;
         };
         /**
          * DecisionResult
          * @description The decision as it was journalled, and the graph's new revision.
          */
         DecisionResult: {
-            entry: components["schemas"]["JournalEntry"];
             effect: components["schemas"]["DecisionEffect"];
+            entry: components["schemas"]["JournalEntry"];
             /** Revision */
             revision: number;
         };
@@ -422,10 +514,65 @@ export interface components {
          * @enum {string}
          */
         Effect: "live" | "next session" | "reprocess";
-        /** HTTPValidationError */
-        HTTPValidationError: {
-            /** Detail */
-            detail?: components["schemas"]["ValidationError"][];
+        /**
+         * ErrorBody
+         * @description The one shape of all errors.
+         */
+        ErrorBody: {
+            error: components["schemas"]["ErrorDetail"];
+        };
+        /**
+         * ErrorDetail
+         * @description What was refused and what would be right.
+         */
+        ErrorDetail: {
+            /** Code */
+            code: string;
+            /** Message */
+            message: string;
+            /** Status */
+            status: number;
+        };
+        /**
+         * Graph
+         * @description The graph, or what came to it since a revision.
+         */
+        Graph: {
+            /** Ate M */
+            ate_m: number | null;
+            /**
+             * Correction
+             * @description ``T_map_odom`` of the newest node.
+             */
+            correction: number[] | null;
+            /**
+             * Full
+             * @description False when these are only the nodes and links that came since the revision asked for.
+             */
+            full: boolean;
+            links: components["schemas"]["LinkColumns"];
+            nodes: components["schemas"]["NodeColumns"];
+            /** Revision */
+            revision: number;
+        };
+        /**
+         * Hypothesis
+         * @description The best places of one update's belief.
+         */
+        Hypothesis: {
+            /** Ids */
+            ids: number[];
+            /** Likelihood */
+            likelihood: number[];
+            /** Posterior */
+            posterior: number[];
+            /**
+             * Value
+             * @description What ``Rtabmap/LoopThr`` was compared with.
+             */
+            value: number;
+            /** Virtual Place */
+            virtual_place: number;
         };
         /**
          * Journal
@@ -440,81 +587,95 @@ export interface components {
          * @description One decision in the journal.
          */
         JournalEntry: {
+            /** Action */
+            action: string;
+            /** Author */
+            author: string;
+            effect: components["schemas"]["DecisionEffect"];
+            /** From Id */
+            from_id: number;
             /** Id */
             id: number;
+            /** Note */
+            note: string;
             /**
              * Time
              * @description Unix seconds.
              */
             time: number;
-            /** Author */
-            author: string;
-            /** Action */
-            action: string;
-            /** From Id */
-            from_id: number;
             /** To Id */
             to_id: number;
-            /** Note */
-            note: string;
             /** Undone By */
             undone_by: number | null;
-            effect: components["schemas"]["DecisionEffect"];
         };
         /**
          * LayerChange
          * @description Layers to switch; those left out stay.
          */
         LayerChange: {
-            /** Graph */
-            graph?: boolean | null;
             /** Cloud */
             cloud?: boolean | null;
+            /** Frusta */
+            frusta?: boolean | null;
+            /** Graph */
+            graph?: boolean | null;
             /** Grid */
             grid?: boolean | null;
             /** Odometry */
             odometry?: boolean | null;
             /** Truth */
             truth?: boolean | null;
-            /** Frusta */
-            frusta?: boolean | null;
+        };
+        /**
+         * LinkColumns
+         * @description Links; entry i of each list is the same link.
+         */
+        LinkColumns: {
+            /** From */
+            from: number[];
+            /** Residual Sigma */
+            residual_sigma: (number | null)[];
+            /** To */
+            to: number[];
+            /** Type */
+            type: string[];
         };
         /**
          * LinkDetail
          * @description A link, or a candidate that didn't become one, with its evidence.
          */
         LinkDetail: {
-            /** From */
-            from: number;
-            /** To */
-            to: number;
-            /** Type */
-            type: string;
-            /** @description None for odometry. */
-            state: components["schemas"]["LoopState"] | null;
-            /** Transform */
-            transform: number[] | null;
-            /** Translation M */
-            translation_m: number | null;
-            /** Rotation Deg */
-            rotation_deg: number | null;
-            /** Sigma M */
-            sigma_m: number[] | null;
-            /** Sigma Deg */
-            sigma_deg: number[] | null;
-            /** Residual Sigma */
-            residual_sigma: number | null;
             /** Chi2 */
             chi2: number | null;
-            /** Posterior */
-            posterior: number | null;
+            /** Explanation */
+            explanation: string;
+            /** From */
+            from: number;
             /** Inliers */
             inliers: number | null;
             /** Matches */
             matches: number | null;
+            /** Posterior */
+            posterior: number | null;
             reason: components["schemas"]["LoopReason"] | null;
-            /** Explanation */
-            explanation: string;
+            /** Residual Sigma */
+            residual_sigma: number | null;
+            /** Rotation Deg */
+            rotation_deg: number | null;
+            /** Sigma Deg */
+            sigma_deg: number[] | null;
+            /** Sigma M */
+            sigma_m: number[] | null;
+            /** @description None for odometry. */
+            state: components["schemas"]["LoopState"] | null;
+            /** To */
+            to: number;
+            /** Transform */
+            transform: number[] | null;
+            /** Translation M */
+            translation_m: number | null;
+            /** Type */
+            type: string;
         };
         /**
          * LinkMatches
@@ -522,15 +683,6 @@ export interface components {
          */
         LinkMatches: {
             from: components["schemas"]["Size"];
-            to: components["schemas"]["Size"];
-            /** X1 */
-            x1: number[];
-            /** Y1 */
-            y1: number[];
-            /** X2 */
-            x2: number[];
-            /** Y2 */
-            y2: number[];
             /** Inlier */
             inlier: boolean[];
             /**
@@ -538,6 +690,15 @@ export interface components {
              * @description Matched now from the stored key points, not when the link was made.
              */
             recomputed: boolean;
+            to: components["schemas"]["Size"];
+            /** X1 */
+            x1: number[];
+            /** X2 */
+            x2: number[];
+            /** Y1 */
+            y1: number[];
+            /** Y2 */
+            y2: number[];
         };
         /**
          * LoopReason
@@ -546,49 +707,49 @@ export interface components {
         LoopReason: {
             /** Test */
             test: string;
-            /** Value */
-            value: number | null;
-            /** Threshold */
-            threshold: number | null;
             /** Text */
             text: string;
+            /** Threshold */
+            threshold: number | null;
+            /** Value */
+            value: number | null;
         };
         /**
          * LoopRow
          * @description A loop in the review queue.
          */
         LoopRow: {
+            /** From */
+            from: number;
+            /** Inliers */
+            inliers: number | null;
             /**
              * Key
              * @description Both ids as they are stored, ``147-61``.
              */
             key: string;
-            /** From */
-            from: number;
-            /** To */
-            to: number;
-            /** Type */
-            type: string;
-            state: components["schemas"]["LoopState"];
-            /** Posterior */
-            posterior: number | null;
-            /** Inliers */
-            inliers: number | null;
             /** Matches */
             matches: number | null;
+            /** Posterior */
+            posterior: number | null;
+            reason: components["schemas"]["LoopReason"] | null;
             /**
              * Residual Sigma
              * @description None while the link isn't in the graph.
              */
             residual_sigma: number | null;
+            state: components["schemas"]["LoopState"];
+            /** To */
+            to: number;
             /** Translation M */
             translation_m: number | null;
+            /** Type */
+            type: string;
             /**
              * Update
              * @description The node whose update looked at it.
              */
             update: number;
-            reason: components["schemas"]["LoopReason"] | null;
         };
         /**
          * LoopState
@@ -601,8 +762,6 @@ export interface components {
          * @description Every loop that was looked at; of a pair, the last word.
          */
         Loops: {
-            /** Loops */
-            loops: components["schemas"]["LoopRow"][];
             /**
              * Counts
              * @description By state.
@@ -610,6 +769,8 @@ export interface components {
             counts: {
                 [key: string]: number;
             };
+            /** Loops */
+            loops: components["schemas"]["LoopRow"][];
         };
         /**
          * MapInfo
@@ -617,32 +778,10 @@ export interface components {
          */
         MapInfo: {
             /**
-             * Version
-             * @description Of RTAB-Map's schema.
+             * Ate M
+             * @description Absolute trajectory error against ground truth, SE(3)-aligned over all frames.
              */
-            version: string;
-            /** Sessions */
-            sessions: number;
-            /** Nodes */
-            nodes: number;
-            /**
-             * Dropped
-             * @description Merged and dropped nodes (weight -9) that are kept in the file, not counted in ``nodes``.
-             */
-            dropped: number;
-            /**
-             * Links
-             * @description By type name, each pair once.
-             */
-            links: {
-                [key: string]: number;
-            };
-            /** Words */
-            words: number;
-            /** Features */
-            features: number;
-            /** Size Bytes */
-            size_bytes: number;
+            ate_m: number | null;
             /**
              * Bytes By Kind
              * @description Empty where it was not asked for.
@@ -650,6 +789,46 @@ export interface components {
             bytes_by_kind: {
                 [key: string]: number;
             };
+            /**
+             * Clean
+             * @description Whether the last session was closed in order.
+             */
+            clean: boolean;
+            /**
+             * Dropped
+             * @description Merged and dropped nodes (weight -9) that are kept in the file, not counted in ``nodes``.
+             */
+            dropped: number;
+            /** Features */
+            features: number;
+            /** First Stamp */
+            first_stamp: number | null;
+            /** Has Poses */
+            has_poses: boolean;
+            /** Has Truth */
+            has_truth: boolean;
+            /** Id */
+            id: string;
+            /** Last Stamp */
+            last_stamp: number | null;
+            /**
+             * Links
+             * @description By type name, each pair once.
+             */
+            links: {
+                [key: string]: number;
+            };
+            /**
+             * Live
+             * @description Whether an engine is mapping it now.
+             */
+            live: boolean;
+            /** Loops */
+            loops: number;
+            /** Name */
+            name: string;
+            /** Nodes */
+            nodes: number;
             /**
              * Parameters
              * @description Those that differ from the defaults.
@@ -659,75 +838,57 @@ export interface components {
             };
             /** Seeds */
             seeds: number[];
+            /** Sessions */
+            sessions: number;
+            /** Size Bytes */
+            size_bytes: number;
             /** Sources */
             sources: string[];
             /**
-             * Clean
-             * @description Whether the last session was closed in order.
+             * Version
+             * @description Of RTAB-Map's schema.
              */
-            clean: boolean;
-            /** Has Poses */
-            has_poses: boolean;
-            /** First Stamp */
-            first_stamp: number | null;
-            /** Last Stamp */
-            last_stamp: number | null;
-            /** Id */
-            id: string;
-            /** Name */
-            name: string;
-            /** Loops */
-            loops: number;
-            /**
-             * Live
-             * @description Whether an engine is mapping it now.
-             */
-            live: boolean;
+            version: string;
+            /** Words */
+            words: number;
             /** Writable */
             writable: boolean;
-            /** Has Truth */
-            has_truth: boolean;
-            /**
-             * Ate M
-             * @description Absolute trajectory error against ground truth, SE(3)-aligned over all frames.
-             */
-            ate_m: number | null;
         };
         /**
          * MapSummary
          * @description A map in the list.
          */
         MapSummary: {
-            /** Id */
-            id: string;
-            /** Name */
-            name: string;
-            /** Size Bytes */
-            size_bytes: number;
-            /**
-             * Modified
-             * @description Unix seconds.
-             */
-            modified: number;
-            /** Version */
-            version: string;
-            /** Sessions */
-            sessions: number;
-            /** Nodes */
-            nodes: number;
-            /** Links */
-            links: {
-                [key: string]: number;
-            };
-            /** Loops */
-            loops: number;
-            /** Live */
-            live: boolean;
             /**
              * Error
              * @description Why the file can't be opened.
              */
             error?: string | null;
+            /** Id */
+            id: string;
+            /** Links */
+            links: {
+                [key: string]: number;
+            };
+            /** Live */
+            live: boolean;
+            /** Loops */
+            loops: number;
+            /**
+             * Modified
+             * @description Unix seconds.
+             */
+            modified: number;
+            /** Name */
+            name: string;
+            /** Nodes */
+            nodes: number;
+            /** Sessions */
+            sessions: number;
+            /** Size Bytes */
+            size_bytes: number;
+            /** Version */
+            version: string;
         };
         /**
          * Maps
@@ -738,70 +899,98 @@ export interface components {
             maps: components["schemas"]["MapSummary"][];
         };
         /**
+         * NodeColumns
+         * @description Nodes; entry i of each list is the same node.
+         */
+        NodeColumns: {
+            /** Id */
+            id: number[];
+            /** Map Id */
+            map_id: number[];
+            /** Odom */
+            odom: (number[] | null)[];
+            /**
+             * Pose
+             * @description Optimised, in the map frame.
+             */
+            pose: (number[] | null)[];
+            /** Stamp */
+            stamp: number[];
+            /** Tier */
+            tier: components["schemas"]["Tier"][];
+            /**
+             * Truth
+             * @description None when no node has one.
+             */
+            truth: (number[] | null)[] | null;
+            /** Weight */
+            weight: number[];
+        };
+        /**
          * NodeDetail
          * @description One node in full.
          */
         NodeDetail: {
+            camera: components["schemas"]["CameraModel"] | null;
+            /** Decisions */
+            decisions: components["schemas"]["JournalEntry"][];
+            /** Features */
+            features: number;
+            /** Has Depth */
+            has_depth: boolean;
+            /** Has Image */
+            has_image: boolean;
             /** Id */
             id: number;
-            /** Map Id */
-            map_id: number;
-            /** Weight */
-            weight: number;
-            /** Stamp */
-            stamp: number;
             /** Label */
             label: string;
+            /** Links */
+            links: components["schemas"]["NodeLink"][];
+            /** Loops */
+            loops: number;
+            /** Map Id */
+            map_id: number;
+            /** Odom */
+            odom: number[] | null;
+            /** Pose */
+            pose: number[] | null;
+            /** Stamp */
+            stamp: number;
+            /** Statistics */
+            statistics: {
+                [key: string]: number;
+            };
             tier: components["schemas"]["Tier"];
+            /** Truth */
+            truth: number[] | null;
+            /** Weight */
+            weight: number;
             /**
              * Words
              * @description Key points that became words of the dictionary.
              */
             words: number;
-            /** Loops */
-            loops: number;
-            /** Pose */
-            pose: number[] | null;
-            /** Odom */
-            odom: number[] | null;
-            /** Truth */
-            truth: number[] | null;
-            camera: components["schemas"]["CameraModel"] | null;
-            /** Features */
-            features: number;
-            /** Links */
-            links: components["schemas"]["NodeLink"][];
-            /** Statistics */
-            statistics: {
-                [key: string]: number;
-            };
-            /** Has Image */
-            has_image: boolean;
-            /** Has Depth */
-            has_depth: boolean;
-            /** Decisions */
-            decisions: components["schemas"]["JournalEntry"][];
         };
         /**
          * NodeFeatures
          * @description Key points of a node; entry i of each list is the same one.
          */
         NodeFeatures: {
-            /** X */
-            x: number[];
-            /** Y */
-            y: number[];
-            /** Size */
-            size: number[];
             /** Angle */
             angle: number[];
+            /** Depth M */
+            depth_m: (number | null)[];
+            /** Size */
+            size: number[];
             /**
              * Word
              * @description Positive for a word of the dictionary.
              */
             word: number[];
-            /** Depth M */
-            depth_m: (number | null)[];
+            /** X */
+            x: number[];
+            /** Y */
+            y: number[];
         };
         /**
          * NodeLink
@@ -812,20 +1001,20 @@ export interface components {
             from: number;
             /** To */
             to: number;
-            /** Type */
-            type: string;
             /** Translation M */
             translation_m: number | null;
+            /** Type */
+            type: string;
         };
         /**
          * NodePage
          * @description One page of the node table.
          */
         NodePage: {
-            /** Total */
-            total: number;
             /** Nodes */
             nodes: components["schemas"]["NodeRow"][];
+            /** Total */
+            total: number;
         };
         /**
          * NodeRow
@@ -834,55 +1023,55 @@ export interface components {
         NodeRow: {
             /** Id */
             id: number;
-            /** Map Id */
-            map_id: number;
-            /** Weight */
-            weight: number;
-            /** Stamp */
-            stamp: number;
             /** Label */
             label: string;
+            /** Loops */
+            loops: number;
+            /** Map Id */
+            map_id: number;
+            /** Stamp */
+            stamp: number;
             tier: components["schemas"]["Tier"];
+            /** Weight */
+            weight: number;
             /**
              * Words
              * @description Key points that became words of the dictionary.
              */
             words: number;
-            /** Loops */
-            loops: number;
         };
         /**
          * Parameter
          * @description A registered parameter with its value in this map.
          */
         Parameter: {
-            /** Name */
-            name: string;
-            /** Group */
-            group: string;
-            /**
-             * Type
-             * @enum {string}
-             */
-            type: "bool" | "int" | "float" | "text";
             /** Default */
             default: boolean | number | string;
-            /** Value */
-            value: boolean | number | string;
-            /** Unit */
-            unit: string;
-            /** Minimum */
-            minimum: number | null;
-            /** Maximum */
-            maximum: number | null;
-            /** Meaning */
-            meaning: string;
             effect: components["schemas"]["Effect"];
             /**
              * Front
              * @description One of the dozen that matter first.
              */
             front: boolean;
+            /** Group */
+            group: string;
+            /** Maximum */
+            maximum: number | null;
+            /** Meaning */
+            meaning: string;
+            /** Minimum */
+            minimum: number | null;
+            /** Name */
+            name: string;
+            /**
+             * Type
+             * @enum {string}
+             */
+            type: "bool" | "int" | "float" | "text";
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: boolean | number | string;
         };
         /**
          * ParameterChanges
@@ -899,6 +1088,11 @@ export interface components {
          * @description All parameters of a map.
          */
         ParameterSet: {
+            /**
+             * Live
+             * @description Whether they can be changed now.
+             */
+            live: boolean;
             /** Parameters */
             parameters: components["schemas"]["Parameter"][];
             /**
@@ -908,18 +1102,12 @@ export interface components {
             unused: {
                 [key: string]: string;
             };
-            /**
-             * Live
-             * @description Whether they can be changed now.
-             */
-            live: boolean;
         };
         /**
          * Scene
          * @description State of a map's 3D view.
          */
         Scene: {
-            layers: components["schemas"]["SceneLayers"];
             /**
              * Colour
              * @enum {string}
@@ -927,25 +1115,26 @@ export interface components {
             colour: "memory" | "session" | "time" | "weight";
             /** Dark */
             dark: boolean;
-            /** Selected Node */
-            selected_node?: number | null;
+            layers: components["schemas"]["SceneLayers"];
             /** Selected Link */
             selected_link?: number[] | null;
+            /** Selected Node */
+            selected_node?: number | null;
         };
         /**
          * SceneChange
          * @description What to change; what is left out stays, null deselects.
          */
         SceneChange: {
-            layers?: components["schemas"]["LayerChange"] | null;
             /** Colour */
             colour?: ("memory" | "session" | "time" | "weight") | null;
             /** Dark */
             dark?: boolean | null;
-            /** Selected Node */
-            selected_node?: number | null;
+            layers?: components["schemas"]["LayerChange"] | null;
             /** Selected Link */
             selected_link?: number[] | null;
+            /** Selected Node */
+            selected_node?: number | null;
         };
         /**
          * SceneLayers
@@ -953,15 +1142,20 @@ export interface components {
          */
         SceneLayers: {
             /**
-             * Graph
-             * @default true
-             */
-            graph: boolean;
-            /**
              * Cloud
              * @default true
              */
             cloud: boolean;
+            /**
+             * Frusta
+             * @default false
+             */
+            frusta: boolean;
+            /**
+             * Graph
+             * @default true
+             */
+            graph: boolean;
             /**
              * Grid
              * @default false
@@ -977,24 +1171,16 @@ export interface components {
              * @default false
              */
             truth: boolean;
-            /**
-             * Frusta
-             * @default false
-             */
-            frusta: boolean;
         };
         /**
          * Session
          * @description What the engine does.
          */
         Session: {
-            /** Map */
-            map: string | null;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "idle" | "starting" | "running" | "paused" | "finished" | "stopped" | "failed";
+            /** Ate M */
+            ate_m: number | null;
+            /** Fps */
+            fps: number;
             /**
              * Frame
              * @description Frames processed so far.
@@ -1002,19 +1188,17 @@ export interface components {
             frame: number;
             /** Frames */
             frames: number | null;
-            /** Nodes */
-            nodes: number;
-            /** Fps */
-            fps: number;
-            /** Ate M */
-            ate_m: number | null;
             /**
              * Lost
              * @description Frames that odometry could not track.
              */
             lost: number;
+            /** Map */
+            map: string | null;
             /** Message */
             message: string;
+            /** Nodes */
+            nodes: number;
             /** Source */
             source: string | null;
             /**
@@ -1022,27 +1206,27 @@ export interface components {
              * @description Times real time; 0 is as fast as possible.
              */
             speed: number;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "starting" | "running" | "paused" | "finished" | "stopped" | "failed";
         };
         /**
          * Size
          * @description Of an image, in pixels.
          */
         Size: {
-            /** Width */
-            width: number;
             /** Height */
             height: number;
+            /** Width */
+            width: number;
         };
         /**
          * StartRun
          * @description A new map from a source.
          */
         StartRun: {
-            /**
-             * Source
-             * @description ``tour:`` with options, or a TUM folder under an allowed root.
-             */
-            source: string;
             /**
              * Map
              * @description Name of the new file in the first served folder, without ``.db``.
@@ -1056,15 +1240,20 @@ export interface components {
                 [key: string]: boolean | number | string;
             };
             /**
-             * Speed
-             * @default 0
-             */
-            speed: number;
-            /**
              * Seed
              * @default 0
              */
             seed: number;
+            /**
+             * Source
+             * @description ``tour:`` with options, or a TUM folder under an allowed root.
+             */
+            source: string;
+            /**
+             * Speed
+             * @default 0
+             */
+            speed: number;
         };
         /**
          * StatisticNames
@@ -1094,19 +1283,6 @@ export interface components {
          * @enum {string}
          */
         Tier: "stm" | "wm" | "ltm";
-        /** ValidationError */
-        ValidationError: {
-            /** Location */
-            loc: (string | number)[];
-            /** Message */
-            msg: string;
-            /** Error Type */
-            type: string;
-            /** Input */
-            input?: unknown;
-            /** Context */
-            ctx?: Record<string, never>;
-        };
     };
     responses: never;
     parameters: never;
@@ -1116,7 +1292,7 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
-    maps_api_maps_get: {
+    list_maps: {
         parameters: {
             query?: never;
             header?: never;
@@ -1134,13 +1310,59 @@ export interface operations {
                     "application/json": components["schemas"]["Maps"];
                 };
             };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
         };
     };
-    info_api_maps__map__get: {
+    get_map: {
         parameters: {
             query?: never;
             header?: never;
             path: {
+                /** @description Id of a map, from GET /api/maps. */
                 map: string;
             };
             cookie?: never;
@@ -1156,316 +1378,59 @@ export interface operations {
                     "application/json": components["schemas"]["MapInfo"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    prev_api_maps__map__preview_jpg_get: {
+    list_decisions: {
         parameters: {
             query?: never;
             header?: never;
             path: {
-                map: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": unknown;
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    nodes_api_maps__map__nodes_get: {
-        parameters: {
-            query?: {
-                offset?: number;
-                limit?: number;
-                order?: string;
-                q?: string;
-            };
-            header?: never;
-            path: {
-                map: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["NodePage"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    node_api_maps__map__nodes__node_id__get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-                node_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["NodeDetail"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    image_api_maps__map__nodes__node_id__image_get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-                node_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": unknown;
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    depth_api_maps__map__nodes__node_id__depth_png_get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-                node_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": unknown;
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    feats_api_maps__map__nodes__node_id__features_get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-                node_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["NodeFeatures"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    link_api_maps__map__links__from_id___to_id__get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-                from_id: number;
-                to_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["LinkDetail"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    matches_api_maps__map__links__from_id___to_id__matches_get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-                from_id: number;
-                to_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["LinkMatches"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    get_loops_api_maps__map__loops_get: {
-        parameters: {
-            query?: {
-                after?: number;
-            };
-            header?: never;
-            path: {
-                map: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Loops"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    jr_api_maps__map__decisions_get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
+                /** @description Id of a map, from GET /api/maps. */
                 map: string;
             };
             cookie?: never;
@@ -1481,22 +1446,59 @@ export interface operations {
                     "application/json": components["schemas"]["Journal"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    decide_api_maps__map__decisions_post: {
+    decide: {
         parameters: {
             query?: never;
             header?: never;
             path: {
+                /** @description Id of a map, from GET /api/maps. */
                 map: string;
             };
             cookie?: never;
@@ -1516,25 +1518,132 @@ export interface operations {
                     "application/json": components["schemas"]["DecisionResult"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    st_api_maps__map__statistics_get: {
+    export_poses: {
         parameters: {
-            query: {
-                names: string;
+            query?: {
+                format?: "tum" | "kitti" | "g2o";
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A text file. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_graph: {
+        parameters: {
+            query?: {
+                /** @description The revision that the caller has; 0 for none. */
                 after?: number;
             };
             header?: never;
             path: {
+                /** @description Id of a map, from GET /api/maps. */
                 map: string;
             };
             cookie?: never;
@@ -1547,25 +1656,63 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Statistics"];
+                    "application/json": components["schemas"]["Graph"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    sn_api_maps__map__statistic_names_get: {
+    get_hypothesis: {
         parameters: {
             query?: never;
             header?: never;
             path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
                 map: string;
             };
             cookie?: never;
@@ -1578,25 +1725,627 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["StatisticNames"];
+                    "application/json": components["schemas"]["Hypothesis"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    gp_api_maps__map__parameters_get: {
+    get_link: {
         parameters: {
             query?: never;
             header?: never;
             path: {
+                from_id: number;
+                to_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LinkDetail"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_link_matches: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                from_id: number;
+                to_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LinkMatches"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_loops: {
+        parameters: {
+            query?: {
+                /** @description Only loops of updates after this node. */
+                after?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Loops"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_nodes: {
+        parameters: {
+            query?: {
+                offset?: number;
+                limit?: number;
+                order?: "id" | "-id" | "weight" | "-weight" | "stamp" | "-stamp";
+                /** @description Text in id or label. */
+                q?: string;
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodePage"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodeDetail"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_depth: {
+        parameters: {
+            query?: {
+                /** @description Depth of the last colour; 0 fits. */
+                max?: number;
+            };
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_features: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodeFeatures"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_image: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The image as it is stored. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": unknown;
+                    "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_parameters: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
                 map: string;
             };
             cookie?: never;
@@ -1612,22 +2361,59 @@ export interface operations {
                     "application/json": components["schemas"]["ParameterSet"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    pp_api_maps__map__parameters_patch: {
+    change_parameters: {
         parameters: {
             query?: never;
             header?: never;
             path: {
+                /** @description Id of a map, from GET /api/maps. */
                 map: string;
             };
             cookie?: never;
@@ -1647,18 +2433,403 @@ export interface operations {
                     "application/json": components["schemas"]["ParameterSet"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    gs_api_session_get: {
+    get_preview: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_statistic_names: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StatisticNames"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_statistics: {
+        parameters: {
+            query: {
+                /** @description RTAB-Map's names, separated by commas. */
+                names: string;
+                /** @description Only updates after this node. */
+                after?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Statistics"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_scene: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scene"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    change_scene: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SceneChange"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scene"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_session: {
         parameters: {
             query?: never;
             header?: never;
@@ -1676,9 +2847,54 @@ export interface operations {
                     "application/json": components["schemas"]["Session"];
                 };
             };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
         };
     };
-    start_api_session_post: {
+    start_session: {
         parameters: {
             query?: never;
             header?: never;
@@ -1700,18 +2916,54 @@ export interface operations {
                     "application/json": components["schemas"]["Session"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    cmd_api_session__command__post: {
+    command_session: {
         parameters: {
             query?: never;
             header?: never;
@@ -1731,141 +2983,49 @@ export interface operations {
                     "application/json": components["schemas"]["Session"];
                 };
             };
-            /** @description Validation Error */
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    gsc_api_scene__map__get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Scene"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    psc_api_scene__map__patch: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["SceneChange"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Scene"];
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    mk_mock__what__post: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                what: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": unknown;
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    vis_viser__map__get: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                map: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": unknown;
-                };
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };

@@ -34,7 +34,7 @@ const COLUMNS = [
 
 export function Nodes() {
   const map = /** @type {string} */ (openMapId.value);
-  const [order, setOrder] = useState("id");
+  const [order, setOrder] = useState(/** @type {import("../window.js").NodeOrder} */ ("id"));
   const [query, setQuery] = useState("");
   const rows = useMemo(() => new Window(map), [map]);
   const selected = Number(route.value.key ?? 0);
@@ -89,7 +89,7 @@ export function Nodes() {
       selected: at,
       onSelect: select,
       order,
-      onOrder: setOrder,
+      onOrder: (next) => setOrder(/** @type {import("../window.js").NodeOrder} */ (next)),
     });
   }
 }
