@@ -22,8 +22,8 @@ export const info = signal(null);
 export const infoError = signal(null);
 /** @type {Signal<Schemas["Session"] | null>} */
 export const session = signal(null);
-/** @type {Signal<string | null>} why the engine isn't there, when it should be */
-export const engineError = signal(null);
+/** @type {Signal<string | null>} the failure that somebody has read and put away */
+export const readFailure = signal(null);
 /** @type {Signal<Schemas["Scene"] | null>} */
 export const scene = signal(null);
 /** @type {Signal<Schemas["ParameterSet"] | null>} */
@@ -125,7 +125,6 @@ function followRoute() {
 
 function listen() {
   on("session", (value) => (session.value = value));
-  on("engine", (value) => (engineError.value = value?.error ?? null));
   on("update", (_, map) => map === openMapId.value && columns.value?.pull());
   on("graph", (_, map) => map === openMapId.value && (graphRevision.value += 1));
   on("parameters", (value, map) => map === openMapId.value && echo(value));

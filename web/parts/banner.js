@@ -6,7 +6,7 @@ import { get } from "../api.js";
 import { dismiss, toasts } from "../actions.js";
 import { connect, connection, nextTry } from "../events.js";
 import { link, openMapId } from "../router.js";
-import { engineError, infoError, session } from "../store.js";
+import { infoError, readFailure, session } from "../store.js";
 import { Button } from "./button.js";
 import { Icon } from "./icons.js";
 
@@ -15,10 +15,10 @@ const refused = signal(false);
 export function Banners() {
   const lost = connection.value === "lost";
   useEffect(() => void (lost && probe()), [lost, nextTry.value]);
-  const failed = engineError.value ?? (session.value?.state === "failed" ? session.value.message : null);
+  const failure = session.value?.state === "failed" ? session.value.message : null;
   return html`<div class="banners" aria-live="assertive">
     ${lost && (refused.value ? h(Expired, {}) : h(ServerGone, {}))}
-    ${!lost && failed && h(EngineDead, { reason: failed })}
+    ${!lost && failure !== null && failure !== readFailure.value && h(EngineDead, { reason: failure })}
     ${!lost && infoError.value && h(MapFailed, { error: infoError.value })}
   </div>`;
 }
@@ -66,7 +66,7 @@ function EngineDead({ reason }) {
       ><b>The engine stopped:</b> ${reason.replace(/\.$/, "")}. The map is sound up to its last node; start a new run, or go on looking.</span
     >
     <a class="button button-plain" href=${link({ view: "maps" })}>Start a run</a>
-    ${h(Button, { icon: "close", hint: "Hide this message", onClick: () => (engineError.value = null) })}
+    ${h(Button, { icon: "close", hint: "Hide this message", onClick: () => (readFailure.value = reason) })}
   </div>`;
 }
 
