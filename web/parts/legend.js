@@ -17,7 +17,7 @@ export function Legend() {
   return html`<ul class="legend" aria-label="Legend">
     ${entries.map(
       ({ token, label, kind = "dot" }) =>
-        html`<li key=${label}><i class=${`mark mark-${kind} ink-${token}`} aria-hidden="true"></i>${label}</li>`,
+        html`<li key=${label}><i class=${`mark mark-${kind} scene-${token}`} aria-hidden="true"></i>${label}</li>`,
     )}
   </ul>`;
 }
@@ -45,8 +45,8 @@ function memoryEntries() {
 function rampEntries(colour) {
   if (colour === "session") return [{ token: "wm", label: "one colour per session" }];
   return [
-    { token: "ramp-low", label: colour === "time" ? "oldest" : "lightest" },
-    { token: "ramp-high", label: colour === "time" ? "newest" : "heaviest" },
+    { token: "low", label: colour === "time" ? "oldest" : "lightest" },
+    { token: "high", label: colour === "time" ? "newest" : "heaviest" },
   ];
 }
 
