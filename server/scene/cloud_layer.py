@@ -13,13 +13,18 @@ from server.scene.model import SceneModel
 from server.scene.placing import place
 from slam.database import MapReader
 from slam.errors import SlamError
+from slam.geometry import Pose
 from slam.maps.point_cloud import node_cloud
 
 POINTS = 5000
 _PIXEL_STEP = 4
 _FAR_METRES = 4.5
-_THINNING_METRES = 0.03
-_POINT_SIZE = 0.016
+#: Points are thinned to cubes of this share of their distance, and drawn as large: a desk is finer than a hall.
+_CUBE_SHARE = 0.011
+_CUBE_METRES = (0.008, 0.03)
+_POINT_SIZE = 0.8
+#: Points higher above their camera are left out: ceilings would hide the rooms from who looks down on them.
+_CEILING_METRES = 0.9
 #: Clouds made in one go; between two goes the view can show other changes.
 _BATCH = 6
 
@@ -32,7 +37,6 @@ class CloudLayer:
         self._reader = reader
         self._choice = CloudChoice()
         self._handles: dict[int, viser.PointCloudHandle | None] = {}
-        self.floor = Floor()
 
     def place(self, model: SceneModel, *, visible: bool) -> None:
         """Move the clouds that are there to where their nodes are now."""
@@ -58,48 +62,41 @@ class CloudLayer:
 
     def _add(self, node_id: int, model: SceneModel) -> viser.PointCloudHandle | None:
         """The cloud of a node; None when the file has no image, depth or camera for it."""
+        pose = model.T_map_base[model.rows[node_id]]
         try:
-            points, colors = self._cloud(node_id)
+            points, colors, cube_m = self._cloud(node_id, pose)
         except SlamError:
             # Not every node of every file has all three; such a node simply has no cloud.
             return None
         if not len(points):
             return None
-        pose = model.T_map_base[model.rows[node_id]]
-        self.floor.take_in((points @ pose[:3, :3].T + pose[:3, 3])[:, 2])
         handle = self._server.scene.add_point_cloud(
-            f"/clouds/{node_id}", points, colors, point_size=_POINT_SIZE, point_shape="square", point_shading="flat"
+            f"/clouds/{node_id}",
+            points,
+            colors,
+            point_size=_POINT_SIZE * cube_m,
+            point_shape="square",
+            point_shading="flat",
         )
         place(handle, pose)
         return handle
 
-    def _cloud(self, node_id: int) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    def _cloud(self, node_id: int, T_map_base: Pose) -> tuple[NDArray[np.float32], NDArray[np.uint8], float]:
         image, depth = self._reader.image_bgr(node_id), self._reader.depth_m(node_id)
         points, colors = node_cloud(image, depth, self._reader.camera(node_id), _PIXEL_STEP, _FAR_METRES)
-        return thinned(points, colors, np.random.default_rng(node_id))
-
-
-class Floor:
-    """Guesses the height of the floor: what nearly all points are above."""
-
-    def __init__(self) -> None:
-        self._lows: list[float] = []
-
-    def take_in(self, heights: NDArray[np.floating]) -> None:
-        """Heights of the points of one cloud."""
-        self._lows.append(float(np.percentile(heights, 1)))
-
-    @property
-    def height(self) -> float | None:
-        """Metres in the map; None before the first cloud."""
-        return float(np.percentile(self._lows, 15)) if self._lows else None
+        low = points @ T_map_base[2, :3] < _CEILING_METRES
+        points, colors = points[low], colors[low]
+        if not len(points):
+            return points, colors, 0.0
+        cube_m = float(np.clip(_CUBE_SHARE * np.median(np.linalg.norm(points, axis=1)), *_CUBE_METRES))
+        return *thinned(points, colors, cube_m, np.random.default_rng(node_id)), cube_m
 
 
 def thinned(
-    points: NDArray[np.float32], colors: NDArray[np.uint8], rng: np.random.Generator
+    points: NDArray[np.float32], colors: NDArray[np.uint8], cube_m: float, rng: np.random.Generator
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """One point for each small cube, at most ``POINTS`` of them, any of them as likely as any other."""
-    cubes = np.floor(points / _THINNING_METRES).astype(np.int64)
+    cubes = np.floor(points / cube_m).astype(np.int64)
     _, first = np.unique(cubes, axis=0, return_index=True)
     if len(first) > POINTS:
         first = rng.choice(first, POINTS, replace=False)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from slam.types import OccupancyGrid
 
 #: Red, green, blue, opacity; unknown cells are seen through.
-_FREE = (120, 150, 185, 70)
+_FREE = (112, 150, 196, 90)
 _OCCUPIED = (245, 166, 60, 235)
 _LIFT_METRES = 0.01
 
@@ -45,8 +45,7 @@ class GridPlane:
             format="png",
             cast_shadow=False,
             receive_shadow=False,
-            # An image shows its first row on top and looks at -z; turned about x it lies on the floor, y up the rows.
-            wxyz=(0.0, 1.0, 0.0, 0.0),
+            # viser lays an image into the plane of x and y with its rows along y: just as the cells lie.
             position=(grid.x_min + width / 2, grid.y_min + depth / 2, height + _LIFT_METRES),
         )
 

@@ -16,7 +16,9 @@ from slam.types import Link, LinkType
 
 OnPick = Callable[[int, int], None]
 _LOOP_RADIUS = 0.07
-_LINE_PIXELS = 1.6
+_LINE_PIXELS = 2.0
+#: Height of the arc between two nodes at the same place.
+_LEAST_HEIGHT = 1.1
 
 
 class LinkLayer:
@@ -48,7 +50,7 @@ class LinkLayer:
             self._lines.visible = visible
 
     def _draw_refused(self, model: SceneModel, visible: bool) -> None:
-        points = arcs(*_ends(model, model.refused), 2.0 * model.step)[:, : ARC_PIECES + 1]
+        points = arcs(*_ends(model, model.refused), _LEAST_HEIGHT * model.step)[:, : ARC_PIECES + 1]
         dashes = np.stack([points[:, 0:-1:2], points[:, 1::2]], axis=2).reshape(-1, 2, 3)
         self._refused = _lines(self._server, "/graph/refused", self._refused, dashes, np.array(palette.REFUSED))
         if self._refused is not None:
@@ -73,7 +75,7 @@ class LinkLayer:
             batched_wxyzs=quats,
             batched_positions=positions,
             batched_scales=scales,
-            batched_colors=palette.LOOP,
+            batched_colors=palette.of_bodies(palette.LOOP),
             cast_shadow=False,
             receive_shadow=False,
             lod="off",
@@ -95,7 +97,7 @@ def loop_cylinders(
     model: SceneModel, pairs: Sequence[Pair], radius: float
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
     """Quaternions w x y z, positions and scales of the cylinders of all arcs, ``ARC_PIECES`` for each pair."""
-    points = arcs(*_ends(model, pairs), 2.0 * model.step)
+    points = arcs(*_ends(model, pairs), _LEAST_HEIGHT * model.step)
     quats, positions, scales = along(points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3), radius)
     return quats.astype(np.float32), positions.astype(np.float32), scales.astype(np.float32)
 

@@ -11,13 +11,14 @@ from server.browse.snapshot import Pair, Snapshot
 from server.hub import Hub
 from server.scene.camera_layer import CameraLayer
 from server.scene.cloud_layer import CloudLayer
-from server.scene.first_view import set_first_view
+from server.scene.first_view import floor_height, set_first_view
 from server.scene.grid_plane import GridPlane
 from server.scene.link_layer import LinkLayer
 from server.scene.model import scene_model
 from server.scene.node_layer import NodeLayer
 from server.scene.path_layer import PathLayer
 from server.scene.selection_layer import SelectionLayer
+from server.scene.surroundings import surroundings
 from server.scene.viewer import add_floor, open_viewer
 from server.schemas import Scene, SceneChange, SceneLayers
 from slam.camera import Camera
@@ -53,8 +54,10 @@ class MapScene:
         self._cameras = CameraLayer(self._server)
         self._selection = SelectionLayer(self._server, view.reader)
         self._floor = add_floor(self._server, 0.0)
-        self._model = scene_model(view.snapshot())
-        set_first_view(self._server, self._model)
+        self._floor_height, self._surveyed = 0.0, 0
+        snapshot = view.snapshot()
+        self._model = scene_model(snapshot)
+        self._look_around(snapshot)
         self._thread = threading.Thread(target=self._run, name=f"scene-{view.file.id}", daemon=True)
         self._thread.start()
 
@@ -138,25 +141,24 @@ class MapScene:
             self._clouds.place(model, visible=layers.cloud)
             self._cameras.draw_frusta(model, visible=layers.frusta)
             self._selection.draw(model, state.selected_node, _as_pair(state.selected_link))
-        self._draw_grid(snapshot, layers.grid)
-        set_first_view(self._server, model)
+            grid = snapshot.reader.grid() if layers.grid else None
+            self._grid.draw(grid, self._floor_height, visible=layers.grid)
+        self._look_around(snapshot)
         return layers.cloud and self._complete()
 
     def _complete(self) -> bool:
         """Make some of the clouds that are missing; whether more are."""
-        before = self._clouds.floor.height
-        more = self._clouds.complete(self._model, lambda: not (self._redraw or self._closed))
-        height = self._clouds.floor.height
-        if height is not None and height != before:
-            self._floor.position = (0.0, 0.0, height)
-        if not more and height != before:
-            with self._changed:
-                self._redraw = self._redraw or self._state.layers.grid
-        return more
+        return self._clouds.complete(self._model, lambda: not (self._redraw or self._closed))
 
-    def _draw_grid(self, snapshot: Snapshot, visible: bool) -> None:
-        grid = snapshot.reader.grid() if visible else None
-        self._grid.draw(grid, self._clouds.floor.height or 0.0, visible=visible)
+    def _look_around(self, snapshot: Snapshot) -> None:
+        """Fit the first view and the floor to the map, again whenever it has grown by half."""
+        if self._surveyed and len(self._model.ids) < 1.5 * self._surveyed:
+            return
+        self._surveyed = len(self._model.ids)
+        around = surroundings(self.view.reader, snapshot, self._model)
+        self._floor_height = floor_height(self._model, around)
+        self._floor.position = (0.0, 0.0, self._floor_height)
+        set_first_view(self._server, self._model, around)
 
     def _camera(self, snapshot: Snapshot) -> Camera | None:
         calibrated = snapshot.calibrated

@@ -14,7 +14,7 @@ from server.schemas import Colouring
 from slam.types import Tier
 
 OnPick = Callable[[int], None]
-_RADIUS = 0.2
+_RADIUS = 0.27
 
 
 class NodeLayer:
@@ -34,7 +34,7 @@ class NodeLayer:
             return
         positions = model.positions.astype(np.float32)
         scales = np.full(count, _RADIUS * model.step, dtype=np.float32)
-        colors = node_colors(model, colouring)
+        colors = palette.of_bodies(node_colors(model, colouring))
         if self._handle is None:
             self._handle = self._add(positions, scales, colors)
         else:

@@ -38,6 +38,13 @@ _SESSIONS: tuple[Rgb, ...] = (
 _RAMP = np.array([(70, 95, 180), (40, 150, 160), (60, 185, 110), (160, 200, 60), (250, 200, 50)], dtype=np.float64)
 
 
+def of_bodies(colors: NDArray[np.integer] | Rgb) -> Colors:
+    """Colours as viser wants them of batched meshes, whose colours it takes for linear ones (sRGB's inverse curve)."""
+    share = np.asarray(colors, dtype=np.float64) / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return (linear * 255).round().astype(np.uint8)
+
+
 def by_session(map_ids: NDArray[np.integer]) -> Colors:
     """Colours (N, 3) of session numbers (N,)."""
     return np.asarray(np.array(_SESSIONS, dtype=np.uint8)[map_ids % len(_SESSIONS)])

@@ -18,7 +18,7 @@ from slam.errors import SlamError
 
 _HALO_RADIUS = 0.42
 _LINK_RADIUS = 0.12
-_VIEW_SIZE = 2.5
+_VIEW_SIZE = 1.4
 _VIEW_PIXELS = 240
 
 
@@ -48,7 +48,7 @@ class SelectionLayer:
             batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (len(ids), 1)),
             batched_positions=model.positions[[model.rows[i] for i in ids]],
             batched_scales=np.full(len(ids), _HALO_RADIUS * model.step),
-            batched_colors=palette.SELECTED,
+            batched_colors=palette.of_bodies(palette.SELECTED),
             opacity=0.55,
             cast_shadow=False,
             receive_shadow=False,
@@ -66,7 +66,7 @@ class SelectionLayer:
             batched_wxyzs=quats,
             batched_positions=positions,
             batched_scales=scales,
-            batched_colors=palette.SELECTED,
+            batched_colors=palette.of_bodies(palette.SELECTED),
             cast_shadow=False,
             receive_shadow=False,
             lod="off",

@@ -52,7 +52,7 @@ def arcs(starts: Array, ends: Array, least_height: float) -> Array:
     """Points (N, ARC_PIECES + 1, 3) of arcs that rise from one point to the other, so that short ones are seen too."""
     share = np.linspace(0, 1, ARC_PIECES + 1)[None, :, None]
     straight = starts[:, None] * (1 - share) + ends[:, None] * share
-    height = np.maximum(0.45 * np.linalg.norm(ends - starts, axis=1), least_height)
+    height = np.clip(0.35 * np.linalg.norm(ends - starts, axis=1), least_height, 2.5 * least_height)
     straight[:, :, 2] += np.sin(np.pi * share[:, :, 0]) * height[:, None]
     return np.asarray(straight)
 

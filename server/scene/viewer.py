@@ -7,6 +7,8 @@ import viser
 
 from server.scene import palette
 
+_LIGHT = 3.4
+
 
 def open_viewer(name: str) -> viser.ViserServer:
     """A server with an empty scene, z up."""
@@ -17,7 +19,12 @@ def open_viewer(name: str) -> viser.ViserServer:
     server.gui.main_panel.minimize()
     server.scene.set_up_direction("+z")
     server.scene.world_axes.visible = False
-    server.scene.configure_default_lights(cast_shadow=False)
+    # Even light from all sides, a little more from above: colours mean something and must look the same everywhere.
+    server.scene.configure_default_lights(enabled=False)
+    server.scene.configure_environment_map(None)
+    server.scene.add_light_hemisphere(
+        "/light", sky_color=(255, 255, 255), ground_color=(150, 150, 150), intensity=_LIGHT, position=(0.0, 0.0, 1.0)
+    )
     return server
 
 
