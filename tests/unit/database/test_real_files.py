@@ -48,7 +48,7 @@ def test_every_file_can_be_read(shared_data: Path) -> None:
         assert sum(info.links.values()) == len(reader.links())
         assert info.words == len(reader.words())
         assert info.features == sum(len(reader.features(int(i))[1]) for i in reader.node_ids())
-        assert reader.journal() == reader.candidates() == reader.updates() == reader.trajectory() == []
+        assert [reader.journal(), reader.candidates(), reader.updates(), reader.trajectory()] == [[], [], [], []]
         assert reader.hypotheses(1) is None
         for i in reader.nodes_with("image"):
             assert reader.image_bgr(int(i)).shape[2] == 3
