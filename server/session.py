@@ -39,6 +39,7 @@ class RunSession:
         self._client: EngineClient | None = None
         self._in_force: dict[str, Value] = {}
         self._map_id = ""
+        self._on_event: Callable[[Event], None] | None = None
 
     @property
     def is_active(self) -> bool:
@@ -55,8 +56,8 @@ class RunSession:
         """Number of the engine's process."""
         return None if self._client is None else self._client.pid
 
-    async def start(self, map_id: str, job: RunJob) -> Session:
-        """Start a run and wait until its map is open.
+    async def start(self, map_id: str, job: RunJob, on_event: Callable[[Event], None] | None = None) -> Session:
+        """Start a run and wait until its map is open; ``on_event`` hears of everything that the engine tells.
 
         Raises:
             EngineError: another one is under way.
@@ -67,6 +68,7 @@ class RunSession:
         self._map_id, self.summary = map_id, None
         self._publish(_IDLE.model_copy(update={"state": "starting", "source": job.source, "speed": job.speed}))
         self._hub.publish("engine", None, {"error": None})
+        self._on_event = on_event
         self._client = EngineClient(job, self._take)
         await self._client.started()
         return self.state
@@ -117,6 +119,8 @@ class RunSession:
         elif isinstance(event, Ended):
             self._end(event)
         self._listener(self._map_id, event)
+        if self._on_event is not None:
+            self._on_event(event)
 
     def _progressed(self, event: Progress) -> Session:
         return self._changed(

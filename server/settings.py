@@ -10,6 +10,11 @@ from pathlib import Path
 from server.errors import SettingsError
 
 
+def new_token() -> str:
+    """A token that nobody guesses."""
+    return secrets.token_urlsafe(24)
+
+
 @dataclass(frozen=True, slots=True)
 class Settings:
     """How to serve, and what.
@@ -27,7 +32,7 @@ class Settings:
     sources: tuple[Path, ...] = ()
     host: str = "127.0.0.1"
     port: int = 8700
-    token: str | None = field(default_factory=lambda: secrets.token_urlsafe(24))
+    token: str | None = field(default_factory=new_token)
     hosts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 from server.accuracy import frames_ate_m
 from server.engine.channel import Channel
 from server.engine.commands import Decide, Pause, Request, Resume, RunJob, SetParams, Step, Stop
 from server.engine.decision import carry_out
 from server.engine.events import Ended, GraphChanged, InForce, Moved, NodeAdded, Progress, Started
-from server.engine.new_map import create_map
+from server.engine.mapping import engine_on_new_map
 from server.engine.pace import Pace
 from slam.database import MapReader, MapWriter
 from slam.errors import ParameterError, SlamError
@@ -48,8 +46,8 @@ class Runner:
         job = self._job
         source = open_source(job.source)
         params = Params().changed(job.params)
-        writer = create_map(job.path, params, seed=job.seed, source=source.name, overwrite=job.overwrite)
-        with _engine(params, writer, job.seed, source.name) as slam:
+        opening = engine_on_new_map(job.path, params, seed=job.seed, source=source.name, overwrite=job.overwrite)
+        with opening as (slam, writer):
             self._review = self._make_review(slam, writer)
             self._channel.send(Started(source.name, None if source.live else len(source), dict(params.items())))
             self._progress(slam)
@@ -144,17 +142,6 @@ class Runner:
                 ate_m=self._ate_m,
             )
         )
-
-
-@contextmanager
-def _engine(params: Params, writer: MapWriter, seed: int, source: str) -> Iterator[Slam]:
-    """An engine whose session is ended in order, and whose file is one plain file again, whatever happens."""
-    with writer:
-        slam = Slam(params, writer, seed=seed, source=source)
-        try:
-            yield slam
-        finally:
-            slam.close()
 
 
 def _node_added(update: Update) -> NodeAdded:
