@@ -25,7 +25,11 @@ export function Legend() {
 /** @param {string} colour @returns {Entry[]} */
 function graphEntries(colour) {
   const nodes = colour === "memory" ? memoryEntries() : rampEntries(colour);
-  return [...nodes, { token: "loop", label: `loop ${text.whole(info.value?.loops ?? 0)}`, kind: "line" }];
+  return [
+    ...nodes,
+    { token: "loop", label: `loop ${text.whole(info.value?.loops ?? 0)}`, kind: "line" },
+    { token: "refused", label: "refused", kind: "dash" },
+  ];
 }
 
 /** @returns {Entry[]} */
