@@ -173,7 +173,7 @@ def _is_write_ahead(path: Path) -> bool:
 
 
 _ADVICE = (
-    ("disk is full", "; nothing of it was written: free some space"),
+    ("disk is full", "; all that was in the map is kept: free some space"),
     ("malformed", "; the file is damaged or cut off: copy it again, or repair it with `sqlite3 FILE .recover`"),
     ("not a database", "; a map file of RTAB-Map or slamdeck is needed"),
     ("readonly", "; the file and its folder must be writable"),

@@ -95,6 +95,7 @@ class MapWriter:
             if self._map_id is None:
                 self._memory_stamp = time_enter.begin_memory(connection, text)
             session_rows.end_sessions(connection, clean=True)
+            admin_rows.forget_dictionary_index(connection)
             map_id = session_rows.insert_session(connection, text, seed, source)
         self._params, self._map_id = params, map_id
         return map_id

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 import zlib
 from contextlib import suppress
 
@@ -82,6 +83,13 @@ def test_a_bomb_is_refused_before_it_is_inflated() -> None:
     bomb = zlib.compress(bytes(1 << 20)) + np.array([1, 4, 0], dtype="<i4").tobytes()
     with pytest.raises(DatabaseError, match="or more where its size says 4"):
         blobs.unpack_matrix(bomb)
+    large = zlib.compress(bytes(1 << 26)) + np.array([1, 4, 0], dtype="<i4").tobytes()
+    tracemalloc.start()
+    with pytest.raises(DatabaseError, match="or more"):
+        blobs.unpack_matrix(large)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 1 << 20
     absurd = zlib.compress(b"") + np.array([1 << 30, 1 << 30, 6], dtype="<i4").tobytes()
     with pytest.raises(DatabaseError, match="more than the"):
         blobs.unpack_matrix(absurd)

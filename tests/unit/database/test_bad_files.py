@@ -242,3 +242,13 @@ def test_a_copy_of_a_map_is_a_map(tmp_path: Path) -> None:
     copy = Path(shutil.copy(write_map(tmp_path / "map.db"), tmp_path / "a copy, with spaces % and #?.db"))
     assert len(MapReader(copy).nodes()) == 5
     MapWriter.open(copy).close()
+
+
+def test_a_map_that_can_t_be_made_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr("slam.database.new_file.create_schema", full)
+    with pytest.raises(DatabaseError, match=r"creating the map failed: database or disk is full; .*free some space"):
+        MapWriter.create(tmp_path / "map.db", Params(), seed=0, source="")
+    assert list(tmp_path.iterdir()) == []

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sqlite3
+import zlib
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -98,8 +101,12 @@ def test_what_a_later_update_changes(tmp_path: Path) -> None:
             writer.add_node(record(i))
         writer.add_node(record(3, weights={1: 0, 2: 9}, grid_map=None))
         writer.update_nodes({3: 4})
-        writer.save_poses({1: pose(7), 2: pose(8)}, None)
+        writer.save_poses({2: pose(8), 1: pose(7)}, None)
         reader = MapReader(path)
+        with closing(sqlite3.connect(path)) as connection:
+            (ids,) = connection.execute("SELECT opt_ids FROM Admin").fetchone()
+        assert zlib.decompress(ids[:-12]) == np.array([1, 2], dtype="<i4").tobytes()  # ascending
+        np.testing.assert_array_equal(reader.poses()[1], pose(7).astype(np.float32))
         assert reader.nodes().weights.tolist() == [0, 9, 4]
         assert sorted(reader.poses()) == [1, 2]
         last = reader.last_pose()
