@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from slam.database import MapReader, MapWriter
-from slam.database.connection import refusing
+from slam.database.refusal import refusing
 from slam.errors import DatabaseError, MapBusyError
 from slam.params import Params
 from tests.unit.database.map_records import record, write_map
