@@ -284,6 +284,7 @@ class Slam:
             depth_m=frame.depth_m,
             links=links,
             words=words,
+            renamed_words=self.memory.take_renamed(),
             grid=grid,
             statistics=update.statistics,
             wm_ids=self._wm_ids() if self.params.Rtabmap.SaveWMState else None,

@@ -1,9 +1,8 @@
-"""All commands under one name; every refusal is one line and exit code 2."""
+"""The commands of ``slamdeck``; each imports what is heavy only when it runs."""
 
 from __future__ import annotations
 
-import logging
-import sys
+from typing import Annotated
 
 import typer
 
@@ -13,41 +12,28 @@ from server.cli.info import info
 from server.cli.params import params
 from server.cli.run import run
 from server.cli.serve import serve
-from slam.errors import SlamError
 
-#: Exit codes: a refusal (as for a wrong option), and an interruption (128 + SIGINT).
-_REFUSED = 2
-_INTERRUPTED = 130
-
-
-def make_app() -> typer.Typer:
-    """The commands."""
-    app = typer.Typer(
-        name="slamdeck",
-        help="RGB-D graph SLAM with a web dashboard; maps are RTAB-Map databases.",
-        no_args_is_help=True,
-        add_completion=False,
-        pretty_exceptions_enable=False,
-    )
-    for command in (demo, run, serve, info, export, params):
-        app.command()(command)
-    return app
+app = typer.Typer(
+    name="slamdeck",
+    help="RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
 
 
-def main() -> None:
-    """Entry point of ``slamdeck``."""
-    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
-    try:
-        make_app()()
-    except SlamError as error:
-        _end(str(error), _REFUSED)
-    except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        _end(f"{where}{error.strerror or error}", _REFUSED)
-    except KeyboardInterrupt:
-        _end("stopped", _INTERRUPTED)
+@app.callback()
+def options(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and end.", is_eager=True)] = False,
+) -> None:
+    """RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct."""
+    if version:
+        from importlib.metadata import version as installed_version
+
+        typer.echo(f"slamdeck {installed_version('slamdeck')}")
+        raise typer.Exit
 
 
-def _end(message: str, code: int) -> None:
-    print(f"error: {message}" if code == _REFUSED else message, file=sys.stderr)
-    sys.exit(code)
+for command in (demo, run, serve, info, export, params):
+    app.command()(command)

@@ -2,57 +2,44 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from server.cli.options import Json
-
-if TYPE_CHECKING:
-    from slam.database import MapInfo
-
 
 def info(
-    db: Annotated[Path, typer.Argument(help="Map file (.db) of slamdeck or RTAB-Map.")],
-    json_: Json = False,
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="A map file of slamdeck or RTAB-Map.")],
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Say what a map file holds; the file isn't changed."""
+    """Version, sessions, nodes, links, words, sizes, and parameters that differ from the defaults."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from server.browse.summary import facts
     from slam.database import MapReader
 
-    found = describe(MapReader(db).info())
-    if json_:
-        print(json.dumps(found))
+    found = facts(MapReader(path).info())
+    if json:
+        typer.echo(found.model_dump_json())
         return
-    for name, value in found.items():
-        if isinstance(value, dict):
-            print(f"{name}:")
-            for key, entry in value.items():
-                print(f"  {key:<34} {entry}")
-        else:
-            shown = ", ".join(map(str, value)) if isinstance(value, list) else value
-            print(f"{name:<18} {'-' if shown in (None, '') else shown}")
+    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    for name, value in found.model_dump().items():
+        table.add_row(name.replace("_", " "), _text(name, value))
+    Console().print(table)
 
 
-def describe(found: MapInfo) -> dict[str, Any]:
-    """The object that ``info --json`` prints; sizes in bytes, stamps in seconds."""
-    return {
-        "path": str(found.path),
-        "version": found.version,
-        "sessions": found.sessions,
-        "nodes": found.nodes,
-        "dropped": found.dropped,
-        "links": dict(found.links),
-        "words": found.words,
-        "features": found.features,
-        "size_bytes": found.size_bytes,
-        "bytes_by_kind": dict(found.bytes_by_kind),
-        "first_stamp": found.first_stamp,
-        "last_stamp": found.last_stamp,
-        "optimized": found.has_poses,
-        "clean": found.clean,
-        "seeds": list(found.seeds),
-        "sources": list(found.sources),
-        "parameters": dict(found.parameters),
-    }
+def _text(name: str, value: object) -> str:
+    if isinstance(value, dict):
+        parts = (f"{key} {_size(part) if name == 'bytes_by_kind' else part}" for key, part in value.items() if part)
+        return ", ".join(parts) or "-"
+    if isinstance(value, list):
+        return ", ".join(map(str, value)) or "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return _size(value) if name == "size_bytes" else str(value)
+
+
+def _size(value: object) -> str:
+    count = int(str(value))
+    return f"{count / 1e6:.1f} MB" if count >= 100_000 else f"{count} bytes"

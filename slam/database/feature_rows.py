@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, select, text
+from sqlalchemy import Connection, bindparam, select, text, update
 
 from slam.database.insertion import insert_rows
 from slam.database.tables import feature
@@ -56,6 +57,16 @@ def _rows(node_id: int, items: Features, word_ids: NDArray[np.int32]) -> list[tu
             strict=True,
         )
     )
+
+
+def rename_words(connection: Connection, renamed: Mapping[int, Mapping[int, int]]) -> None:
+    """Give key points of older nodes (id -> old word -> new one) the words that they became, as RTAB-Map does."""
+    rows = [
+        {"of_node": node_id, "old": old, "new": new} for node_id, words in renamed.items() for old, new in words.items()
+    ]
+    if rows:
+        places = (feature.c.node_id == bindparam("of_node")) & (feature.c.word_id == bindparam("old"))
+        connection.execute(update(feature).where(places).values(word_id=bindparam("new")), rows)
 
 
 def read_features(connection: Connection, node_id: int) -> tuple[Features, NDArray[np.int32]]:

@@ -31,12 +31,12 @@ def test_a_second_of_the_tour_is_tracked_to_a_centimetre(calm: list[Odometry]) -
     poses = [found.T_odom_base for found in calm if found.T_odom_base is not None]
     assert len(poses) == len(dense())
     error = absolute_error(truth(dense()), poses)
-    assert error.rmse_m < 0.01
+    assert error.rmse_m < 0.006
     true, found = truth(dense()), poses
     for k in range(1, len(poses)):
         step = between(between(true[k - 1], true[k]), between(found[k - 1], found[k]))
-        assert translation_norm(step) < 0.02
-        assert rotation_angle(step) < np.radians(0.7)
+        assert translation_norm(step) < 0.015
+        assert rotation_angle(step) < np.radians(0.3)
 
 
 def test_wide_steps_are_tracked_too() -> None:
@@ -44,7 +44,7 @@ def test_wide_steps_are_tracked_too() -> None:
     found = tracked(frames)
     poses = [one.T_odom_base for one in found if one.T_odom_base is not None]
     assert len(poses) == 30
-    assert absolute_error(truth(frames), poses).rmse_m < 0.08
+    assert absolute_error(truth(frames), poses).rmse_m < 0.05
 
 
 @pytest.mark.parametrize("adjust", [True, False])
@@ -52,7 +52,7 @@ def test_with_and_without_bundle_adjustment(adjust: bool) -> None:
     params = PARAMS.changed({"OdomF2M/BundleAdjustment": adjust})
     poses = [one.T_odom_base for one in tracked(sparse()[:15], params) if one.T_odom_base is not None]
     assert len(poses) == 15
-    assert absolute_error(truth(sparse()[:15]), poses).rmse_m < 0.08
+    assert absolute_error(truth(sparse()[:15]), poses).rmse_m < 0.05
 
 
 def test_results_carry_their_evidence(calm: list[Odometry]) -> None:

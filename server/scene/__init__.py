@@ -1,0 +1,1 @@
+"""The 3D views: the only place that draws."""

@@ -1,0 +1,59 @@
+"""The 3D views of the open maps."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from typing import TYPE_CHECKING
+
+from server.browse.map_view import MapView
+from server.hub import Hub
+from slam.geometry import Pose
+
+if TYPE_CHECKING:
+    from server.scene.map_scene import MapScene
+
+_OPEN = 4
+
+
+class Scenes:
+    """One 3D view for each map that somebody looks at, made when it is first asked for."""
+
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+        self._lock = threading.Lock()
+        self._scenes: OrderedDict[str, MapScene] = OrderedDict()
+
+    def get(self, view: MapView) -> MapScene:
+        """The 3D view of a map; the one not asked for the longest is closed when there are too many."""
+        # Drawing takes a second to load: the server starts without it.
+        from server.scene.map_scene import MapScene
+
+        with self._lock:
+            scene = self._scenes.get(view.file.id)
+            if scene is None or scene.view is not view:
+                if scene is not None:
+                    scene.close()
+                scene = self._scenes[view.file.id] = MapScene(view, self._hub)
+            self._scenes.move_to_end(view.file.id)
+            while len(self._scenes) > _OPEN:
+                self._scenes.popitem(last=False)[1].close()
+            return scene
+
+    def refresh(self, map_id: str) -> None:
+        """The graph of a map changed."""
+        scene = self._scenes.get(map_id)
+        if scene is not None:
+            scene.refresh()
+
+    def move(self, map_id: str, T_map_base: Pose | None) -> None:
+        """The camera of the run that makes a map moved; None while it is lost."""
+        scene = self._scenes.get(map_id)
+        if scene is not None:
+            scene.move(T_map_base)
+
+    def close(self) -> None:
+        """Close all of them."""
+        with self._lock:
+            while self._scenes:
+                self._scenes.popitem()[1].close()
