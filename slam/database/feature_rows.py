@@ -109,4 +109,5 @@ def read_descriptors(owner: int, widths: tuple[int | None, ...], raw: tuple[byte
 
 
 def _float32(values: tuple[float | None, ...]) -> NDArray[np.float32]:
-    return np.array(values, dtype=np.float64).astype(np.float32)
+    with np.errstate(over="ignore"):
+        return np.array(values, dtype=np.float64).astype(np.float32)

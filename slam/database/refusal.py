@@ -33,6 +33,9 @@ def refusing(path: Path, doing: str) -> Iterator[None]:
         text = str(getattr(error, "orig", None) or error).splitlines()[0]
         kind = MapBusyError if "locked" in text else DatabaseError
         raise kind(f"{path}: {doing} failed: {text}{_advice(text)}") from error
+    except UnicodeDecodeError as error:
+        # Text of the file, or SQLite's own message that quotes it.
+        raise DatabaseError(f"{path}: {doing} failed: it holds text that is none; the file is damaged") from error
     except OSError as error:
         raise DatabaseError(f"{path}: {doing} failed: {error.strerror or error}") from error
 
