@@ -84,7 +84,9 @@ def test_guided_matching_equals_the_naive_version(
     pixels = rng.uniform(0, 100, (count_to, 2)).astype(np.float32)
     found = match_near(predicted, a, pixels, b, radius=radius, ratio=ratio)
     apart = np.linalg.norm(predicted[:, None].astype(float) - pixels[None].astype(float), axis=2)
-    np.testing.assert_array_equal(found, np.reshape(naive(hamming(a, b), apart <= radius, ratio, mutual=False), (-1, 2)))
+    np.testing.assert_array_equal(
+        found, np.reshape(naive(hamming(a, b), apart <= radius, ratio, mutual=False), (-1, 2))
+    )
 
 
 @quickly

@@ -37,7 +37,9 @@ def square(laps: int = 2, side: int = 6) -> PoseGraph:
     return graph
 
 
-def near(graph: PoseGraph, new: int, params: Params = PARAMS, *, wm: range | None = None, **likelihood: float) -> list[int]:
+def near(
+    graph: PoseGraph, new: int, params: Params = PARAMS, *, wm: range | None = None, **likelihood: float
+) -> list[int]:
     places = range(1, new - 10) if wm is None else wm
     return nearby(new, places, graph, {int(k[1:]): v for k, v in likelihood.items()}, params)
 
@@ -62,7 +64,9 @@ def test_nodes_farther_than_the_radius_are_no_candidates() -> None:
     assert near(graph, 28, changed(ProximityPathFilteringRadius=1.6)) == [4]
 
 
-@pytest.mark.parametrize(("turn", "found"), [(0, True), (44, True), (-44, True), (46, False), (-46, False), (180, False)])
+@pytest.mark.parametrize(
+    ("turn", "found"), [(0, True), (44, True), (-44, True), (46, False), (-46, False), (180, False)]
+)
 def test_nodes_that_look_elsewhere_are_no_candidates(turn: float, found: bool) -> None:
     graph = square()
     graph.poses[28] = at(3.0, 0.1, turn)

@@ -139,9 +139,7 @@ def test_tangents_of_the_truth_lie_within_what_the_covariance_allows() -> None:
     for seed in range(30):
         seen = view(seed, 200, pixel_noise=0.7, depth_noise=0.7)
         T_ref_base, inliers = solved(seen, None)
-        found = spread_covariance(
-            seen.points_ref[inliers], seen.points_base[inliers], T_ref_base, CAMERA, PARAMS
-        )
+        found = spread_covariance(seen.points_ref[inliers], seen.points_base[inliers], T_ref_base, CAMERA, PARAMS)
         T = between(seen.T_ref_base, T_ref_base)
         errors.append(translation_norm(T) / np.sqrt(found[0, 0]))
     assert np.mean(np.array(errors) < 3) > 0.95

@@ -99,9 +99,7 @@ def test_wrong_depth_makes_an_outlier_of_a_right_pixel() -> None:
     seen = view(2, 40, with_depth=1.0)
     depth = seen.inverse_depth.copy()
     depth[0] += 3.5 * pose.SIGMA_INVERSE_DEPTH
-    _, inliers, _ = refine_pose(
-        seen.T_cam_ref, seen.points_ref, seen.pixels.astype(np.float64), depth, INTRINSICS
-    )
+    _, inliers, _ = refine_pose(seen.T_cam_ref, seen.points_ref, seen.pixels.astype(np.float64), depth, INTRINSICS)
     assert inliers.tolist() == [False, *[True] * 39]
 
 
