@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
+from shutil import rmtree
+from tempfile import mkdtemp
 
 import numpy as np
 
+from slam.database import MapWriter
 from slam.geometry import Pose
 from slam.params import Params
 from slam.sensors import open_source
 from slam.slam import Slam
-from slam.types import Frame, Update
+from slam.types import Candidate, Frame, Update
 
 #: Every frame becomes a node; 0.4 m apart.
 EVERY = Params().changed({"Rtabmap/DetectionRate": 0.0})
@@ -52,3 +57,37 @@ def truth(frames: Iterable[Frame]) -> list[Pose]:
     """True poses of frames; the tour knows them all."""
     poses = [frame.T_world_base for frame in frames]
     return [pose for pose in poses if pose is not None]
+
+
+def there_and_back(count: int, *, first: int = 0) -> list[Frame]:
+    """The sparse tour up to a frame and backwards to the start again, with stamps that go on."""
+    way = [*sparse()[first : first + count], *sparse()[first : first + count - 1][::-1]]
+    start = way[0].stamp
+    return [replace(frame, index=k, stamp=start + 0.5 * k) for k, frame in enumerate(way)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mapped:
+    """A whole run that ended in order: the engine, its updates, and the closed map file."""
+
+    slam: Slam
+    updates: tuple[Update, ...]
+    path: Path
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        """All loop closures that were looked at."""
+        return [candidate for update in self.updates for candidate in update.candidates]
+
+
+@cache
+def mapped(memory_thr: int) -> Mapped:
+    """The sparse tour with its loops, as a map file; with ``memory_thr`` nodes leave working memory and come back."""
+    folder = Path(mkdtemp(prefix="slamdeck-tour-"))
+    atexit.register(rmtree, folder, ignore_errors=True)
+    params = EVERY.changed({"Rtabmap/MemoryThr": memory_thr})
+    path = folder / "tour.db"
+    slam = Slam(params, MapWriter.create(path, params, seed=3, source="tour:"), seed=3, source="tour:")
+    updates = fed(slam, sparse())
+    slam.close()
+    return Mapped(slam, tuple(updates), path)

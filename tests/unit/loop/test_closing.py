@@ -5,11 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
-from slam.errors import OptimizationError
 from slam.geometry import Pose, between, make
-from slam.loop import closing
 from slam.loop.closing import close
 from slam.params import Params
 from slam.types import Candidate, LinkType, Refusal
@@ -79,14 +76,25 @@ def test_what_the_images_refused_is_passed_on_untried() -> None:
 def test_without_candidates_nothing_happens() -> None:
     graph = circles(30, 1)
     before = graph.poses
-    assert close(graph, [], PARAMS) == closing.Closed()
+    closed = close(graph, [], PARAMS)
+    assert (closed.candidates, closed.links, closed.closure) == ((), (), None)
     assert graph.poses is before
 
 
-def test_a_loop_that_does_not_fit_the_graph_is_an_error() -> None:
+def test_a_loop_that_does_not_fit_the_graph_is_refused_with_what_the_optimiser_said() -> None:
     graph = circles(60, 3)
-    with pytest.raises(OptimizationError, match="joined by a Neighbor"):
-        close(graph, [candidate(60, 59)], PARAMS)
+    before, links = stacked(graph.poses), dict(graph.links)
+    closed = close(graph, [candidate(60, 59), candidate(60, 20)], PARAMS)
+    refusal = closed.candidates[0].refusal
+    assert refusal is not None
+    assert refusal.test == "optimization"
+    assert "joined by a Neighbor" in refusal.text
+    assert closed.candidates[1].refusal is None
+    assert [link.pair for link in closed.links] == [(20, 60)]
+    assert closed.closure is not None
+    graph.remove_link((20, 60))
+    assert graph.links == links
+    assert (stacked(graph.poses) != before).any()
 
 
 def test_the_check_can_be_switched_off() -> None:

@@ -103,9 +103,9 @@ def test_one_place_for_each_path_the_likeliest_path_first() -> None:
     # Working memory has holes, so that the laps are three paths.
     wm = [*range(2, 8), *range(26, 32), *range(50, 56)]
     likely = {4: 1.0, 28: 3.0, 52: 2.0}
-    assert nearby(76, wm, graph, likely, PARAMS) == [28, 52, 4]
-    assert nearby(76, wm, graph, likely, changed(ProximityMaxPaths=2)) == [28, 52]
-    assert nearby(76, wm, graph, likely, changed(ProximityMaxPaths=0)) == [28, 52, 4]
+    for most, expected in ((3, [28, 52, 4]), (2, [28, 52]), (1, [28]), (0, [28, 52, 4])):
+        params = changed(ProximityMaxPaths=most, ProximityMaxGraphDepth=0)
+        assert nearby(76, wm, graph, likely, params) == expected
 
 
 @settings(max_examples=40, deadline=None)
