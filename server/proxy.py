@@ -95,11 +95,13 @@ async def _up(socket: WebSocket, upstream: ClientConnection) -> None:
 
 async def _down(socket: WebSocket, upstream: ClientConnection) -> None:
     with suppress(WebSocketDisconnect, RuntimeError):
-        async for message in upstream:
-            if isinstance(message, bytes):
-                await socket.send_bytes(message)
-            else:
-                await socket.send_text(message)
+        with suppress(ConnectionClosed):
+            while True:
+                message = await upstream.recv()
+                if isinstance(message, bytes):
+                    await socket.send_bytes(message)
+                else:
+                    await socket.send_text(message)
         code = upstream.close_code or _GOING_AWAY
         await socket.close(_GOING_AWAY if code == _NO_STATUS else code, upstream.close_reason or "")
 
