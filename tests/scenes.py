@@ -52,7 +52,12 @@ def nudged(T: Pose, rng: np.random.Generator, metres: float, radians: float) -> 
 
 
 def view(
-    seed: int, count: int = 120, *, pixel_noise: float = 0.0, depth_noise: float = 0.0, outliers: float = 0.0,
+    seed: int,
+    count: int = 120,
+    *,
+    pixel_noise: float = 0.0,
+    depth_noise: float = 0.0,
+    outliers: float = 0.0,
     with_depth: float = 0.7,
 ) -> View:
     """A view from a random pose.

@@ -20,7 +20,7 @@ ratios = st.sampled_from([0.5, 0.8, 0.95, 1.0])
 
 def hamming(a: Descriptors, b: Descriptors) -> NDArray[np.int64]:
     """(N, M) differing bits, the obvious way."""
-    return np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2).astype(np.int64)
+    return np.asarray(np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2), np.int64)
 
 
 def look_alikes(seed: int, count_from: int, count_to: int) -> tuple[Descriptors, Descriptors]:
@@ -84,7 +84,9 @@ def test_guided_matching_equals_the_naive_version(
     pixels = rng.uniform(0, 100, (count_to, 2)).astype(np.float32)
     found = match_near(predicted, a, pixels, b, radius=radius, ratio=ratio)
     apart = np.linalg.norm(predicted[:, None].astype(float) - pixels[None].astype(float), axis=2)
-    np.testing.assert_array_equal(found, np.reshape(naive(hamming(a, b), apart <= radius, ratio, mutual=False), (-1, 2)))
+    np.testing.assert_array_equal(
+        found, np.reshape(naive(hamming(a, b), apart <= radius, ratio, mutual=False), (-1, 2))
+    )
 
 
 @quickly

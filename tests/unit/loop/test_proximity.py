@@ -37,7 +37,9 @@ def square(laps: int = 2, side: int = 6) -> PoseGraph:
     return graph
 
 
-def near(graph: PoseGraph, new: int, params: Params = PARAMS, *, wm: range | None = None, **likelihood: float) -> list[int]:
+def near(
+    graph: PoseGraph, new: int, params: Params = PARAMS, *, wm: range | None = None, **likelihood: float
+) -> list[int]:
     places = range(1, new - 10) if wm is None else wm
     return nearby(new, places, graph, {int(k[1:]): v for k, v in likelihood.items()}, params)
 
@@ -62,7 +64,9 @@ def test_nodes_farther_than_the_radius_are_no_candidates() -> None:
     assert near(graph, 28, changed(ProximityPathFilteringRadius=1.6)) == [4]
 
 
-@pytest.mark.parametrize(("turn", "found"), [(0, True), (44, True), (-44, True), (46, False), (-46, False), (180, False)])
+@pytest.mark.parametrize(
+    ("turn", "found"), [(0, True), (44, True), (-44, True), (46, False), (-46, False), (180, False)]
+)
 def test_nodes_that_look_elsewhere_are_no_candidates(turn: float, found: bool) -> None:
     graph = square()
     graph.poses[28] = at(3.0, 0.1, turn)
@@ -109,7 +113,7 @@ def test_one_place_for_each_path_the_likeliest_path_first() -> None:
 def test_what_is_found_keeps_every_limit(seed: int, radius: float, angle: float, paths: int) -> None:
     rng, graph = np.random.default_rng(seed), PoseGraph()
     for node_id in range(1, 61):
-        pose = at(*rng.uniform(-2, 2, 2).tolist(), float(rng.uniform(0, 360)))
+        pose = at(float(rng.uniform(-2, 2)), float(rng.uniform(-2, 2)), float(rng.uniform(0, 360)))
         graph.add_node(node_id, 0, pose, pose)
         if node_id > 1:
             join(graph, node_id, node_id - 1, LinkType.NEIGHBOR)

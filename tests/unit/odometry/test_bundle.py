@@ -37,9 +37,7 @@ class Shot:
         )
 
     def cost(self, poses: Array, points: Array) -> float:
-        return total_cost(
-            poses, points, self.obs_pose, self.obs_point, self.pixels, self.inverse_depth, INTRINSICS
-        )
+        return total_cost(poses, points, self.obs_pose, self.obs_point, self.pixels, self.inverse_depth, INTRINSICS)
 
     def shaken(self, seed: int, metres: float = 0.03, radians: float = 0.01) -> tuple[Array, Array]:
         """Poses, but for the first, and points a little off."""

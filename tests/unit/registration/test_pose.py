@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from slam.geometry import Array, Pose, between, make, rotation_angle, se3_exp, translation_norm
 from slam.registration import pose
@@ -22,7 +23,7 @@ def apart(T_a: Pose, T_b: Pose) -> tuple[float, float]:
     return translation_norm(T_a_b), rotation_angle(T_a_b)
 
 
-def refined(seen: View, guess: Pose, rounds: int = 3) -> tuple[Pose, Array, Array]:
+def refined(seen: View, guess: Pose, rounds: int = 3) -> tuple[Pose, NDArray[np.bool_], Array]:
     return refine_pose(
         guess, seen.points_ref, seen.pixels.astype(np.float64), seen.inverse_depth, INTRINSICS, rounds=rounds
     )
@@ -99,9 +100,7 @@ def test_wrong_depth_makes_an_outlier_of_a_right_pixel() -> None:
     seen = view(2, 40, with_depth=1.0)
     depth = seen.inverse_depth.copy()
     depth[0] += 3.5 * pose.SIGMA_INVERSE_DEPTH
-    _, inliers, _ = refine_pose(
-        seen.T_cam_ref, seen.points_ref, seen.pixels.astype(np.float64), depth, INTRINSICS
-    )
+    _, inliers, _ = refine_pose(seen.T_cam_ref, seen.points_ref, seen.pixels.astype(np.float64), depth, INTRINSICS)
     assert inliers.tolist() == [False, *[True] * 39]
 
 
