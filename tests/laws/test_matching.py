@@ -20,7 +20,7 @@ ratios = st.sampled_from([0.5, 0.8, 0.95, 1.0])
 
 def hamming(a: Descriptors, b: Descriptors) -> NDArray[np.int64]:
     """(N, M) differing bits, the obvious way."""
-    return np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2).astype(np.int64)
+    return np.asarray(np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2), np.int64)
 
 
 def look_alikes(seed: int, count_from: int, count_to: int) -> tuple[Descriptors, Descriptors]:

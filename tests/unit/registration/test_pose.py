@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from slam.geometry import Array, Pose, between, make, rotation_angle, se3_exp, translation_norm
 from slam.registration import pose
@@ -22,7 +23,7 @@ def apart(T_a: Pose, T_b: Pose) -> tuple[float, float]:
     return translation_norm(T_a_b), rotation_angle(T_a_b)
 
 
-def refined(seen: View, guess: Pose, rounds: int = 3) -> tuple[Pose, Array, Array]:
+def refined(seen: View, guess: Pose, rounds: int = 3) -> tuple[Pose, NDArray[np.bool_], Array]:
     return refine_pose(
         guess, seen.points_ref, seen.pixels.astype(np.float64), seen.inverse_depth, INTRINSICS, rounds=rounds
     )
