@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
+
 import numpy as np
 
+from slam.camera import Camera
+from slam.database import MapWriter, NodeRecord
 from slam.geometry import Array, Pose, between, se3_exp
 from slam.graph import PoseGraph
-from slam.types import Link, LinkType
+from slam.params import Params
+from slam.types import Candidate, Features, Link, LinkType, Node, Odometry, Update
 
 SIGMA = np.array([0.01, 0.01, 0.01, 0.003, 0.003, 0.003])
 INFORMATION = np.diag(SIGMA**-2)
 LAP = 20
+CAMERA = Camera(64, 48, 52.5, 52.5, 31.5, 23.5)
 
 
 def truth(nodes: int) -> list[Pose]:
@@ -51,3 +58,27 @@ def loop(new: int, old: int, true: list[Pose], rng: np.random.Generator, noise: 
 def stacked(poses: dict[int, Pose]) -> Array:
     """Poses (N, 4, 4) by ascending id."""
     return np.array([poses[i] for i in sorted(poses)])
+
+
+def write_map(path: Path, graph: PoseGraph, candidates: Mapping[int, tuple[Candidate, ...]] | None = None) -> Path:
+    """A closed map file of this graph, with loop candidates by the node of their update."""
+    none = np.zeros((0, 2), np.float32)
+    features = Features(
+        none,
+        none[:, 0],
+        none[:, 0],
+        none[:, 0],
+        np.zeros(0, np.int32),
+        np.zeros((0, 32), np.uint8),
+        np.zeros((0, 3), np.float32),
+    )
+    with MapWriter.create(path, Params(), seed=0, source="made up") as writer:
+        for i in sorted(graph.poses):
+            node = Node(i, 0, 0, float(i), graph.T_odom[i], features, np.zeros(0, np.int32), CAMERA)
+            odometry = Odometry(node.T_odom_base, np.eye(6), features, 0, 0, True, None, 1.0)
+            update = Update(i, node.stamp, odometry, graph.poses[i], node, candidates=(candidates or {}).get(i, ()))
+            links = tuple(graph.links[pair] for pair in sorted(graph.links) if pair[1] == i)
+            writer.add_node(NodeRecord(node=node, update=update, links=links))
+        writer.save_poses(graph.poses, None)
+        writer.close_session(ram_ids=sorted(graph.poses), ram_word_ids=[], params=Params())
+    return path

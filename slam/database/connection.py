@@ -1,8 +1,9 @@
-"""Connections to a map file: one that writes, many that read and change nothing; SQLite's errors become ours."""
+"""Connections to a map file: one that writes, many that read and change nothing."""
 
 from __future__ import annotations
 
 import sqlite3
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
@@ -11,27 +12,29 @@ from typing import TypeVar
 from urllib.parse import quote
 
 from sqlalchemy import Connection, Engine, NullPool, create_engine, event
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
-
-from slam.database.file_check import has_log, is_write_ahead
-from slam.errors import DatabaseError
+from sqlalchemy.exc import OperationalError
 
 T = TypeVar("T")
 
 #: Seconds to wait for a lock of SQLite's, which other connections hold for moments.
 BUSY_SECONDS = 10.0
-_COMING_AND_GOING_SECONDS = 0.5
-_HEAL = "open it once for writing, which puts that right"
+_COMING_AND_GOING_SECONDS = 1.0
+#: Held while a writer waits for this process's readers to end; no new ones begin.
+_GATE = threading.Lock()
+#: Bytes of a write-ahead log's header.
+_LOG_HEADER = 32
 
 
 def reading_engine(path: Path) -> Engine:
-    """Engine whose connections never change a byte of the file nor of its folder, and see a writer's last commit."""
+    """Engine whose connections never change a byte of the file or its log, and see a writer's last commit."""
     return _engine(lambda: _connect(path, _read_only_mode(path)), "BEGIN")
 
 
 @contextmanager
 def reading(engine: Engine) -> Iterator[Connection]:
     """A connection in a transaction: all that is read through it is of one commit."""
+    with _GATE:
+        pass
     with closing(_persist(lambda: _begun(engine), _COMING_AND_GOING_SECONDS)) as connection:
         yield connection
 
@@ -48,41 +51,58 @@ def _begun(engine: Engine) -> Connection:
     return connection
 
 
-def writing_engine(path: Path) -> Engine:
-    """Engine whose one connection writes, by a write-ahead log: a killed process leaves whole transactions only."""
+def open_for_writing(path: Path, check: Callable[[Connection], None]) -> Connection:
+    """The connection that writes, by a write-ahead log: a killed process leaves whole transactions only.
 
-    def connect() -> sqlite3.Connection:
-        connection = _connect(path, "mode=rw")
-        connection.execute("PRAGMA journal_mode=WAL")
-        connection.execute("PRAGMA synchronous=NORMAL")
-        return connection
+    ``check`` looks at the file before anything of it is changed, and raises if it is not to be written.
+    """
+    engine = _engine(lambda: _connect(path, "mode=rw"), "BEGIN IMMEDIATE")
+    try:
+        return _begin_writing(engine, check)
+    except OperationalError as error:
+        if "readonly" not in str(error.orig):
+            raise
+    # A thread of this process that is reading a killed writer's log holds the log's index in a way that bars writers.
+    with _GATE:
+        return _persist(lambda: _begin_writing(engine, check), _COMING_AND_GOING_SECONDS)
 
-    return _engine(connect, "BEGIN IMMEDIATE")
+
+def _begin_writing(engine: Engine, check: Callable[[Connection], None]) -> Connection:
+    connection = engine.connect()
+    try:
+        with connection.begin():
+            check(connection)
+        _begin_log(_driver(connection))
+    except BaseException:
+        connection.close()
+        raise
+    return connection
 
 
 def close_plainly(connection: Connection) -> None:
     """Close a writing connection and leave one plain file: the log is merged and gone."""
     try:
-        # Not through SQLAlchemy, which would begin a transaction, and this is not possible in one.
-        driver = connection.connection.driver_connection
-        assert isinstance(driver, sqlite3.Connection)
-        _persist(lambda: driver.execute("PRAGMA journal_mode=DELETE").fetchone(), BUSY_SECONDS)
+        # As for the header, so for the file this is journal_mode DELETE; in memory, for the reason below.
+        with _GATE:
+            _persist(lambda: _driver(connection).execute("PRAGMA journal_mode=MEMORY"), BUSY_SECONDS)
     finally:
         connection.close()
 
 
-@contextmanager
-def refusing(path: Path, doing: str) -> Iterator[None]:
-    """Turn what goes wrong into one DatabaseError that says what was being done, to which file, and what would help."""
-    try:
-        yield
-    except DatabaseError as error:
-        raise DatabaseError(f"{path}: {doing} failed: {error}") from error
-    except (SQLAlchemyError, sqlite3.Error) as error:
-        text = str(getattr(error, "orig", None) or error).splitlines()[0]
-        raise DatabaseError(f"{path}: {doing} failed: {text}{_advice(text)}") from error
-    except OSError as error:
-        raise DatabaseError(f"{path}: {doing} failed: {error.strerror or error}") from error
+def _begin_log(driver: sqlite3.Connection) -> None:
+    # Two bytes of the header change. With a journal on the disk, a process killed just then would leave it there, and
+    # nobody could read the map before it is played back.
+    if driver.execute("PRAGMA journal_mode").fetchone() != ("wal",):
+        driver.execute("PRAGMA journal_mode=MEMORY")
+        driver.execute("PRAGMA journal_mode=WAL")
+    driver.execute("PRAGMA synchronous=NORMAL")
+
+
+def _driver(connection: Connection) -> sqlite3.Connection:
+    """SQLite's own connection, for what is not possible in the transaction that SQLAlchemy would begin."""
+    driver = connection.connection.driver_connection
+    assert isinstance(driver, sqlite3.Connection)
+    return driver
 
 
 def _persist(attempt: Callable[[], T], seconds: float) -> T:
@@ -114,26 +134,22 @@ def _connect(path: Path, options: str) -> sqlite3.Connection:
 
 
 def _read_only_mode(path: Path) -> str:
+    """Options that let SQLite read without making or changing a file, whatever lies beside the map."""
     log, index = (path.with_name(path.name + end) for end in ("-wal", "-shm"))
-    if is_write_ahead(path) and not (log.exists() and index.exists()):
-        if has_log(path):
-            raise DatabaseError(f"its last changes are in {log.name}, whose index {index.name} is missing; {_HEAL}")
-        # Only the file was copied: it is complete, but opened plainly it would get a log and an index beside it.
+    logged = log.stat().st_size if log.exists() else 0
+    # The log's index is missing (only the two others were copied, or a writer was killed as it closed): SQLite makes a
+    # new one, the only case in which a file appears; without it the log can't be read.
+    if logged > _LOG_HEADER and not index.exists():
+        return "mode=ro"
+    # Without a log (only the file was copied) or with one that holds nothing (its writer was killed when it had just
+    # begun one), a file in WAL mode is complete. Opened plainly the first would get a log, the second would be refused.
+    if logged == _LOG_HEADER or (not (log.exists() and index.exists()) and _is_write_ahead(path)):
         return "mode=ro&immutable=1"
     return "mode=ro&readonly_shm=1"
 
 
-_ADVICE = (
-    ("disk is full", "; nothing of it was written: free some space"),
-    ("malformed", "; the file is damaged: copy it again, or repair it with `sqlite3 FILE .recover`"),
-    ("not a database", "; a map file of RTAB-Map or slamdeck is needed"),
-    ("readonly", "; the file and its folder must be writable"),
-    ("rollback journal", f"; {_HEAL}"),
-    ("unable to open", "; the file and its folder must be accessible"),
-    ("locked", "; another program holds the file: close it first"),
-    ("no such", "; the file does not have the tables of its version: it is damaged or not a map"),
-)
-
-
-def _advice(text: str) -> str:
-    return next((advice for mark, advice in _ADVICE if mark in text), "")
+def _is_write_ahead(path: Path) -> bool:
+    # Only asked where no log lies beside the file, so that no writer of this process is at work: closing the file frees
+    # all locks that the process has on it.
+    with path.open("rb") as file:
+        return file.read(20)[18:] == b"\2\2"

@@ -1,4 +1,8 @@
-"""What can be said of a map file before SQLite opens it, and which versions of RTAB-Map's schema are readable."""
+"""What can be said of a map file without opening it, and which versions of RTAB-Map's schema are readable.
+
+Nothing here opens a file that SQLite may have open in this process: on POSIX systems, closing any handle of a file
+frees all the locks that the process has on it, and with them those of a writer at work.
+"""
 
 from __future__ import annotations
 
@@ -10,41 +14,25 @@ from slam.errors import DatabaseError
 WRITTEN_VERSION = "0.20.0"
 #: First and last minor version of the schemas that can be read.
 OLDEST, NEWEST = (0, 18), (0, 23)
-_MAGIC = b"SQLite format 3\0"
-_HEADER_SIZE = 100
 _HOW = "a map file of RTAB-Map or slamdeck is needed"
 
 
 def check_file(path: Path) -> None:
-    """Refuse what is no SQLite file.
+    """Refuse what can't be a map file.
 
     Raises:
-        DatabaseError: it is missing, a folder, empty, unreadable, of another kind, or shorter than it says.
+        DatabaseError: it is missing, a folder, empty, or can't be reached.
     """
-    if path.is_dir():
-        raise DatabaseError(f"{path} is a folder: {_HOW}")
-    header, size = _read_header(path)
+    try:
+        if path.is_dir():
+            raise DatabaseError(f"{path} is a folder: {_HOW}")
+        size = path.stat().st_size
+    except FileNotFoundError as error:
+        raise DatabaseError(f"{path} does not exist: {_HOW}") from error
+    except OSError as error:
+        raise DatabaseError(f"{path} can't be read: {error.strerror}") from error
     if not size:
         raise DatabaseError(f"{path} is empty: {_HOW}")
-    if not header.startswith(_MAGIC) or len(header) < _HEADER_SIZE:
-        raise DatabaseError(f"{path} is not an SQLite file: {_HOW}")
-    page = int.from_bytes(header[16:18], "big")
-    expected = (65536 if page == 1 else page) * int.from_bytes(header[28:32], "big")
-    # The page count holds only when its change counter equals the file's; beside a log the file may still be short.
-    counted = header[24:28] == header[92:96]
-    if counted and size < expected and not has_log(path):
-        raise DatabaseError(f"{path} is cut off: it has {size} of {expected} bytes; copy it again from its source")
-
-
-def has_log(path: Path) -> bool:
-    """Whether a write-ahead log with content lies beside the file: its writer is at work, or was killed."""
-    log = path.with_name(path.name + "-wal")
-    return log.exists() and log.stat().st_size > 0
-
-
-def is_write_ahead(path: Path) -> bool:
-    """Whether the file is in WAL mode, by the format bytes of its header."""
-    return _read_header(path)[0][18:20] == b"\2\2"
 
 
 def check_version(version: str) -> None:
@@ -64,13 +52,3 @@ def check_version(version: str) -> None:
         raise DatabaseError(
             f"it was written by RTAB-Map {version}, which is too old: {readable}; update it with rtabmap-reprocess"
         )
-
-
-def _read_header(path: Path) -> tuple[bytes, int]:
-    try:
-        with path.open("rb") as file:
-            return file.read(_HEADER_SIZE), path.stat().st_size
-    except FileNotFoundError as error:
-        raise DatabaseError(f"{path} does not exist: {_HOW}") from error
-    except OSError as error:
-        raise DatabaseError(f"{path} can't be read: {error.strerror}") from error

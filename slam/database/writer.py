@@ -11,19 +11,19 @@ from typing import Self
 from sqlalchemy import Connection
 
 from slam.database import admin_rows, node_record, session_rows, time_enter
-from slam.database.connection import close_plainly, refusing, writing_engine
+from slam.database.connection import close_plainly, open_for_writing
 from slam.database.data_rows import EncodedData
+from slam.database.decision import write_decision
 from slam.database.file_check import check_file, check_version
 from slam.database.frame_rows import insert_frames
-from slam.database.journal_rows import append_entry
-from slam.database.link_rows import insert_link, remove_link
-from slam.database.lock import MapLock
+from slam.database.lock import MapLock, locked
 from slam.database.new_file import create_file
 from slam.database.node_record import KnownIds
 from slam.database.node_rows import update_weights
 from slam.database.parameter_rows import insert_parameter_change
 from slam.database.parameter_text import params_text
 from slam.database.records import JournalEntry, NodeRecord
+from slam.database.refusal import refusing
 from slam.database.schema import add_deck_tables
 from slam.errors import DatabaseError
 from slam.geometry import Pose
@@ -46,12 +46,12 @@ class MapWriter:
         self._params = Params()
         self._memory_stamp = ""
         with refusing(path, "opening for writing"):
-            self._connection = writing_engine(path).connect()
-            with self._connection.begin():
-                check_version(admin_rows.read_version(self._connection))
-                add_deck_tables(self._connection)
-                session_rows.heal_sessions(self._connection)
-                self._known = KnownIds.read(self._connection)
+            self._connection = open_for_writing(path, _check_version)
+            try:
+                self._known = _prepare(self._connection)
+            except BaseException:
+                self._connection.close()
+                raise
 
     @classmethod
     def create(cls, path: Path, params: Params, *, seed: int, source: str) -> MapWriter:
@@ -61,7 +61,9 @@ class MapWriter:
             DatabaseError: the file exists, or can't be made there.
             MapBusyError: another writer holds this name.
         """
-        with _locked(path) as lock:
+        if not path.parent.is_dir():
+            raise DatabaseError(f"{path} can't be made: the folder {path.parent} does not exist")
+        with locked(path) as lock:
             create_file(path)
             writer = cls(path, lock)
             writer.start_session(params, seed=seed, source=source)
@@ -76,7 +78,7 @@ class MapWriter:
             MapBusyError: another writer holds it.
         """
         check_file(path)
-        with _locked(path) as lock:
+        with locked(path) as lock:
             return cls(path, lock)
 
     @property
@@ -93,6 +95,7 @@ class MapWriter:
             if self._map_id is None:
                 self._memory_stamp = time_enter.begin_memory(connection, text)
             session_rows.end_sessions(connection, clean=True)
+            admin_rows.forget_dictionary_index(connection)
             map_id = session_rows.insert_session(connection, text, seed, source)
         self._params, self._map_id = params, map_id
         return map_id
@@ -149,13 +152,7 @@ class MapWriter:
             DatabaseError: a link to remove is not there, or one to add is, or nothing is left to take back.
         """
         with self._transaction(f"deciding about link {entry.from_id}-{entry.to_id}") as connection:
-            number = append_entry(connection, entry)
-            _change_links(connection, self._known, add, remove)
-            if poses:
-                admin_rows.write_poses(connection, poses, None)
-            if add or remove:
-                admin_rows.clear_derived(connection)
-        return number
+            return write_decision(connection, self._known, entry, add, remove, poses)
 
     def parameter_change(self, node_id: int, name: str, value: Value) -> None:
         """Log that a parameter has another value from node ``node_id`` on.
@@ -208,22 +205,12 @@ class MapWriter:
             yield self._connection
 
 
-def _change_links(
-    connection: Connection, known: KnownIds, add: Sequence[Link], remove: Sequence[tuple[int, int]]
-) -> None:
-    for from_id, to_id in remove:
-        remove_link(connection, from_id, to_id)
-    for link in add:
-        known.check_link(link)
-        insert_link(connection, link)
+def _check_version(connection: Connection) -> None:
+    check_version(admin_rows.read_version(connection))
 
 
-@contextmanager
-def _locked(path: Path) -> Iterator[MapLock]:
-    """The lock, freed again when what follows fails."""
-    lock = MapLock(path)
-    try:
-        yield lock
-    except BaseException:
-        lock.release()
-        raise
+def _prepare(connection: Connection) -> KnownIds:
+    with connection.begin():
+        add_deck_tables(connection)
+        session_rows.heal_sessions(connection)
+        return KnownIds.read(connection)

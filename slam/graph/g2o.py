@@ -24,7 +24,7 @@ from slam.geometry import (
     se3_log,
     to_quat_xyzw,
 )
-from slam.graph.graph import PoseGraph
+from slam.graph.graph import PoseGraph, ascending
 from slam.saving import save
 from slam.types import Link, LinkType
 
@@ -38,8 +38,8 @@ _FIELDS = {"VERTEX_SE3:QUAT": 8, "EDGE_SE3:QUAT": 30, "VERTEX_SE2": 4, "EDGE_SE2
 def read_g2o(path: Path) -> PoseGraph:
     """The graph of a g2o file; its vertices are both odometry and optimised poses.
 
-    Edges between consecutive ids become neighbour links, the others global closures. When a pair of vertices has
-    several edges, they are fused (RTAB-Map's graph has one link for each pair).
+    Edges between consecutive ids become neighbour links, the others global closures, all from the smaller id (the
+    information is carried over to the other end). Several edges of a pair are fused: a graph has one link for each.
 
     Raises:
         DatabaseError: the file can't be read, or a line isn't what its tag promises (named with its number).
@@ -63,15 +63,19 @@ def read_g2o(path: Path) -> PoseGraph:
 
 
 def read_edges(path: Path) -> list[Link]:
-    """Every edge of a g2o file as it stands, several of one pair too; raises DatabaseError like ``read_g2o``."""
+    """Every edge of a g2o file from its smaller id, several of one pair too; raises what ``read_g2o`` raises."""
     return [_edge(tag, numbers) for _, tag, numbers in _lines(path) if tag.startswith("EDGE")]
 
 
 def write_g2o(path: Path, graph: PoseGraph) -> None:
-    """Write optimised poses and links as SE3:QUAT, with all digits; raises DatabaseError when it can't be written."""
+    """Write optimised poses and links (from the smaller id) as SE3:QUAT, with all digits.
+
+    Raises:
+        DatabaseError: the file can't be written.
+    """
     lines = [f"VERTEX_SE3:QUAT {i} {_pose_text(graph.poses[i])}" for i in sorted(graph.poses)]
     for pair in sorted(graph.links):
-        link = graph.links[pair]
+        link = ascending(graph.links[pair])
         assert link.T_from_to is not None
         information = " ".join(repr(float(v)) for v in link.information[_UPPER_SE3])
         lines.append(f"EDGE_SE3:QUAT {link.from_id} {link.to_id} {_pose_text(link.T_from_to)} {information}")
@@ -114,22 +118,21 @@ def _edge(tag: str, numbers: Array) -> Link:
         information = _PLANAR_INFORMATION * np.eye(6)
         information[np.ix_(_PLANAR_AXES, _PLANAR_AXES)] = _symmetric(numbers[5:], 3)
     kind = LinkType.NEIGHBOR if abs(from_id - to_id) == 1 else LinkType.GLOBAL_CLOSURE
-    return Link(from_id, to_id, kind, _pose(tag, numbers[2:]), information)
+    T_from_to = _pose(tag, numbers[2:])
+    if from_id > to_id:
+        # log(T^-1 X^-1) = -Ad(T^-1) log(T X): how the residual of T looks from the other end.
+        from_id, to_id, T_from_to = to_id, from_id, inverse(T_from_to)
+        Ad = adjoint(T_from_to)
+        information = Ad.T @ information @ Ad
+    return Link(from_id, to_id, kind, T_from_to, information)
 
 
 def _fused(a: Link, b: Link) -> Link:
     """One link for two of the same pair: the mean weighted by information, with the sum of both informations."""
     assert a.T_from_to is not None and b.T_from_to is not None
-    T_from_to, information_b = b.T_from_to, b.information
-    if a.from_id != b.from_id:
-        # log(T^-1 X^-1) = -Ad(T^-1) log(T X): how the residual of T looks from the other end.
-        T_from_to = inverse(T_from_to)
-        Ad = adjoint(T_from_to)
-        information_b = Ad.T @ information_b @ Ad
-    information: Array = a.information + information_b
-    step = np.asarray(
-        np.linalg.solve(information, information_b @ se3_log(between(a.T_from_to, T_from_to))), dtype=float
-    )
+    information: Array = a.information + b.information
+    pull = b.information @ se3_log(between(a.T_from_to, b.T_from_to))
+    step = np.asarray(np.linalg.solve(information, pull), dtype=np.float64)
     return Link(a.from_id, a.to_id, a.type, a.T_from_to @ se3_exp(step), information)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from slam.errors import OptimizationError
 from slam.geometry import Pose, inverse
-from slam.types import Link
+from slam.types import WEIGHT_INVALID, Link
 
 Pair = tuple[int, int]
 #: Cost of walking along a link (0 or 1 steps); None when it isn't followed.
@@ -32,8 +32,13 @@ class NodeColumns(Protocol):
         ...
 
     @property
+    def weights(self) -> Iterable[int]:
+        """(N,) weights."""
+        ...
+
+    @property
     def T_odom(self) -> Iterable[Pose]:
-        """(N, 4, 4) odometry poses."""
+        """(N, 4, 4) odometry poses, NaN where unknown."""
         ...
 
 
@@ -81,6 +86,10 @@ class PoseGraph:
 
     def __contains__(self, node_id: object) -> bool:
         return node_id in self._adjacent
+
+    def has(self, *node_ids: int) -> bool:
+        """Whether all these nodes are in the graph."""
+        return all(i in self._adjacent for i in node_ids)
 
     def add_node(self, node_id: int, map_id: int, T_odom_base: Pose, T_map_base: Pose) -> None:
         """Take in a node that has no links yet; raises OptimizationError when the id is there already."""
@@ -179,22 +188,34 @@ class PoseGraph:
     def from_reader(cls, reader: GraphReader) -> Self:
         """The graph of a map file.
 
-        A node without an optimised pose starts where odometry puts it. Links that join no two nodes (priors, gravity,
-        landmarks, markers of merged nodes) stay in the file: the optimiser has no use for them.
+        A node without an optimised pose starts where odometry puts it. Merged and dropped nodes (weight -9) and nodes
+        without any pose have no place in the graph; links that join no two of its nodes (priors, gravity, landmarks,
+        markers of merged nodes) stay in the file, the optimiser has no use for them.
         """
-        graph = cls()
-        columns, poses = reader.nodes(), reader.poses()
-        for node_id, map_id, T_odom in zip(columns.ids, columns.map_ids, columns.T_odom, strict=True):
-            T_odom_base = np.array(T_odom)
-            graph.add_node(int(node_id), int(map_id), T_odom_base, poses.get(int(node_id), T_odom_base))
+        graph, table, poses = cls(), reader.nodes(), reader.poses()
+        for number, map_id, weight, T_odom_base in zip(
+            table.ids, table.map_ids, table.weights, table.T_odom, strict=True
+        ):
+            node_id, tracked = int(number), bool(np.isfinite(T_odom_base).all())
+            if weight == WEIGHT_INVALID or not (tracked or node_id in poses):
+                continue
+            T_odom = np.array(T_odom_base) if tracked else poses[node_id]
+            graph.add_node(node_id, int(map_id), T_odom, poses.get(node_id, T_odom))
         for link in reader.links():
-            if (
-                link.T_from_to is not None
-                and link.from_id != link.to_id
-                and {link.from_id, link.to_id} <= graph.poses.keys()
-            ):
+            if link.T_from_to is not None and link.from_id != link.to_id and graph.has(*link.pair):
                 graph.add_link(link)
         return graph
+
+
+def ascending(link: Link) -> Link:
+    """The same constraint seen from the smaller id.
+
+    Both directions of a link have the same information matrix, as in RTAB-Map's files and optimisers: which way round
+    a link is stored must not change the map.
+    """
+    if link.from_id <= link.to_id or link.T_from_to is None:
+        return link
+    return Link(link.to_id, link.from_id, link.type, inverse(link.T_from_to), link.information)
 
 
 def name(link: Link) -> str:

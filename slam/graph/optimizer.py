@@ -16,7 +16,7 @@ import numpy as np
 
 from slam.errors import OptimizationError
 from slam.geometry import Array, Pose
-from slam.graph.graph import PoseGraph, name
+from slam.graph.graph import PoseGraph, ascending, name
 from slam.params import Params
 from slam.types import Link
 
@@ -162,6 +162,7 @@ def _factors(links: Sequence[Link]) -> tuple[gtsam.NonlinearFactorGraph, int]:
 @lru_cache(maxsize=1 << 15)
 def _factor(link: Link) -> tuple[gtsam.BetweenFactorPose3, bool]:
     """The factor of a link, made once: making it costs as much as a solver iteration."""
+    link = ascending(link)
     assert link.T_from_to is not None
     if not (np.isfinite(link.T_from_to).all() and np.isfinite(link.information).all()):
         raise OptimizationError(f"link {name(link)}: transform and information must be finite numbers")

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from slam.camera import Camera
 from slam.geometry import Pose, inverse, normalized, transform
 from slam.odometry.bundle import adjust
+from slam.params import Params
 from slam.types import Features
 
-#: Key frames that take part in bundle adjustment.
-_WINDOW = 10
 _ITERATIONS = 8
 
 
@@ -58,9 +57,9 @@ class LocalMap:
         camera: Camera,
         *,
         frame: int,
-        max_size: int,
+        params: Params,
     ) -> Pose:
-        """Takes in a frame: new points where it has depth, then adjusts. Returns the adjusted ``T_odom_base``.
+        """Takes in a frame: new points where it has depth. Returns the pose, adjusted where that is asked for.
 
         Args:
             T_odom_base: (4, 4) tracked pose.
@@ -69,7 +68,7 @@ class LocalMap:
             feature_rows: (M,) ... and the features that showed them.
             camera: of the frame.
             frame: its number.
-            max_size: points that the map may hold.
+            params: the OdomF2M group is read.
         """
         new = np.isfinite(features.points_base[:, 0])
         new[feature_rows] = False
@@ -81,9 +80,9 @@ class LocalMap:
         T_cam_odom = inverse(T_odom_base @ camera.T_base_cam)
         pixels = features.pixels[seen].astype(np.float64)
         self._keyframes.append(_KeyFrame(T_cam_odom, ids[order], pixels[order], (1.0 / depths)[order]))
-        self._keyframes = self._keyframes[-_WINDOW:]
-        self._trim(max_size)
-        if len(self._keyframes) > 1:
+        self._keyframes = self._keyframes[-params.OdomF2M.BundleAdjustmentMaxFrames :]
+        self._trim(params.OdomF2M.MaxSize)
+        if params.OdomF2M.BundleAdjustment and len(self._keyframes) > 1:
             self._adjust(camera)
         return inverse(self._keyframes[-1].T_cam_odom) @ inverse(camera.T_base_cam)
 

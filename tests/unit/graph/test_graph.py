@@ -113,6 +113,7 @@ def test_unknown_ids_are_named() -> None:
 class Columns:
     ids: list[int]
     map_ids: list[int]
+    weights: list[int]
     T_odom: list[Pose]
 
 
@@ -132,16 +133,16 @@ class Reader:
         return self.stored_poses
 
 
-def test_from_reader_keeps_poses_and_leaves_out_links_that_join_no_two_nodes() -> None:
+def test_from_reader_keeps_poses_and_leaves_out_what_has_no_place_in_the_graph() -> None:
     source = circles(4, 0)
-    T_odom = [source.T_odom[i] for i in range(1, 5)]
+    T_odom = [*(source.T_odom[i] for i in range(1, 5)), np.full((4, 4), np.nan), np.eye(4)]
     prior = Link(1, 1, LinkType.POSE_PRIOR, np.eye(4), INFORMATION)
     landmark = Link(2, -7, LinkType.LANDMARK, np.eye(4), INFORMATION)
     merged = Link(4, 3, LinkType.NEIGHBOR_MERGED, None, INFORMATION)
     T_map_odom = inverse(T_odom[2])
     poses = {i: T_map_odom @ T for i, T in zip((1, 2, 3), T_odom, strict=False)}
-    reader = Reader(Columns([1, 2, 3, 4], [0, 0, 1, 1], T_odom), [link(1, 2), prior, landmark, merged], poses)
-    graph = PoseGraph.from_reader(reader)
+    columns = Columns([1, 2, 3, 4, 5, 6], [0, 0, 1, 1, 1, 1], [0, 3, -1, 0, 0, -9], T_odom)
+    graph = PoseGraph.from_reader(Reader(columns, [link(1, 2), prior, landmark, merged, link(4, 6)], poses))
     assert set(graph.links) == {(1, 2)}
     assert graph.map_ids == {1: 0, 2: 0, 3: 1, 4: 1}
     assert np.array_equal(graph.poses[2], poses[2])

@@ -1,0 +1,63 @@
+// What the colours of the 3D view mean, with counts.
+import { html } from "../html.js";
+import * as text from "../format.js";
+import { columns, info, scene } from "../store.js";
+
+/** @typedef {{token: string, label: string, kind?: "dot" | "line" | "dash"}} Entry */
+
+export const STM = "Memory/Short_time_memory_size/";
+export const WM = "Memory/Working_memory_size/";
+export const LTM = "Memory/Long_term_memory_size/";
+
+export function Legend() {
+  const now = scene.value;
+  if (!now) return null;
+  const entries = [...(now.layers.graph ? graphEntries(now.colour) : []), ...pathEntries(now.layers)];
+  if (!entries.length) return null;
+  return html`<ul class="legend" aria-label="Legend">
+    ${entries.map(
+      ({ token, label, kind = "dot" }) =>
+        html`<li key=${label}><i class=${`mark mark-${kind} scene-${token}`} aria-hidden="true"></i>${label}</li>`,
+    )}
+  </ul>`;
+}
+
+/** @param {string} colour @returns {Entry[]} */
+function graphEntries(colour) {
+  const nodes = colour === "memory" ? memoryEntries() : rampEntries(colour);
+  return [
+    ...nodes,
+    { token: "loop", label: `loop ${text.whole(info.value?.loops ?? 0)}`, kind: "line" },
+    { token: "refused", label: "refused", kind: "dash" },
+  ];
+}
+
+/** @returns {Entry[]} */
+function memoryEntries() {
+  void columns.value?.revision.value;
+  const stm = columns.value?.last(STM) ?? 0;
+  const wm = columns.value?.last(WM) ?? 0;
+  const ltm = Math.max(0, (info.value?.nodes ?? 0) - stm - wm);
+  return [
+    { token: "stm", label: `STM ${text.whole(stm)}` },
+    { token: "wm", label: `WM ${text.whole(wm)}` },
+    { token: "ltm", label: `LTM ${text.whole(ltm)}` },
+  ];
+}
+
+/** @param {string} colour @returns {Entry[]} */
+function rampEntries(colour) {
+  if (colour === "session") return [{ token: "wm", label: "one colour per session" }];
+  return [
+    { token: "low", label: colour === "time" ? "oldest" : "lightest" },
+    { token: "high", label: colour === "time" ? "newest" : "heaviest" },
+  ];
+}
+
+/** @param {{odometry: boolean, truth: boolean}} layers @returns {Entry[]} */
+function pathEntries({ odometry, truth }) {
+  return [
+    ...(odometry ? [/** @type {Entry} */ ({ token: "odom", label: "odometry", kind: "dash" })] : []),
+    ...(truth ? [/** @type {Entry} */ ({ token: "truth", label: "truth", kind: "line" })] : []),
+  ];
+}
