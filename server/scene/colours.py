@@ -107,4 +107,4 @@ def _on_scale(values: NDArray[np.float64]) -> Colours:
     least, greatest = (values.min(), values.max()) if len(values) else (0.0, 0.0)
     place = (values - least) / max(greatest - least, 1e-9) * (len(_SCALE) - 1)
     channels = [np.interp(place, np.arange(len(_SCALE)), _SCALE[:, channel]) for channel in range(3)]
-    return np.rint(np.column_stack(channels)).astype(np.uint8)
+    return np.asarray(np.rint(np.column_stack(channels)), dtype=np.uint8)
