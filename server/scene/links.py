@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.browse.snapshot import Pair
-from server.scene.batched import Batch, icosphere
+from server.scene.batched import Batch
 from server.scene.colours import Theme
 from server.scene.lines import Lines
 from server.scene.placed import LinkKind, PlacedGraph
+from server.scene.shapes import icosphere
 from server.scene.tone import Rgb
 
 if TYPE_CHECKING:
@@ -44,9 +45,7 @@ class LinkLayer:
         self._on_click = on_click
         self._graph: PlacedGraph | None = None
         self._lines = {kind: Lines(scene, f"/graph/{kind.value}", _THICKNESS_PX[kind]) for kind in LinkKind}
-        self._knots = {
-            kind: Batch(scene, f"/graph/knots/{kind.value}", icosphere(1), self._picker(kind)) for kind in _LOOPS
-        }
+        self._knots = {kind: Batch(scene, f"/graph/knots/{kind.value}", self._picker(kind)) for kind in _LOOPS}
 
     def draw(self, graph: PlacedGraph, radius: float, look: Theme, *, visible: bool) -> None:
         """Show the links as they are now; ``radius`` is that of the nodes."""
@@ -60,7 +59,7 @@ class LinkLayer:
             self._lines[kind].draw(segments(arcs), rgb, visible=visible)
             tops = arcs[:, arcs.shape[1] // 2]
             paint = np.tile(np.array(rgb, dtype=np.uint8), (len(rows), 1))
-            self._knots[kind].draw(tops, paint, 0.55 * radius, visible=visible)
+            self._knots[kind].draw(tops, paint, icosphere(1), 0.55 * radius, visible=visible)
 
     def _picker(self, kind: LinkKind) -> Callable[[int], None]:
         def clicked(index: int) -> None:

@@ -86,7 +86,7 @@ class Painter:
         if len(graph) and (self._framing is None or (chosen and not more)):
             with self._viewer.atomic():
                 self._draw_ground()
-                self._place_camera(graph)
+                self._place_camera(snapshot, graph)
         return more
 
     def _graph(self, snapshot: Snapshot) -> PlacedGraph:
@@ -128,9 +128,11 @@ class Painter:
         height = floor_height(graph.positions, self._clouds.sample())
         self._floor.draw_ground(height, measure.cell, measure.extent, theme(state.dark))
 
-    def _place_camera(self, graph: PlacedGraph) -> None:
+    def _place_camera(self, snapshot: Snapshot, graph: PlacedGraph) -> None:
         """Where new clients begin; those that are there already keep their camera (viser's page sees to that)."""
-        framing = frame(graph, self._clouds.sample())
+        sessions = snapshot.reader.sessions()
+        growing = bool(sessions) and not sessions[-1].clean
+        framing = frame(graph, self._clouds.sample(), growing=growing)
         if self._framing is not None and not framing.differs(self._framing):
             return
         self._framing = framing
