@@ -1,1 +1,1 @@
-"""The 3D views: the only place that draws."""
+"""The 3D view of a map: the only part that knows viser, which is loaded when a view opens."""

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from server.browse.map_view import MapView
 from server.hub import Hub
+from server.scene.scene import MapScene
 from slam.geometry import Pose
 
-if TYPE_CHECKING:
-    from server.scene.map_scene import MapScene
-
 _OPEN = 4
+
+OnSelect = Callable[[str, tuple[int, ...]], None]
 
 
 class Scenes:
@@ -26,15 +26,12 @@ class Scenes:
 
     def get(self, view: MapView) -> MapScene:
         """The 3D view of a map; the one not asked for the longest is closed when there are too many."""
-        # Drawing takes a second to load: the server starts without it.
-        from server.scene.map_scene import MapScene
-
         with self._lock:
             scene = self._scenes.get(view.file.id)
             if scene is None or scene.view is not view:
                 if scene is not None:
                     scene.close()
-                scene = self._scenes[view.file.id] = MapScene(view, self._hub)
+                scene = self._scenes[view.file.id] = MapScene(view, self._selected(view.file.id))
             self._scenes.move_to_end(view.file.id)
             while len(self._scenes) > _OPEN:
                 self._scenes.popitem(last=False)[1].close()
@@ -51,6 +48,14 @@ class Scenes:
         scene = self._scenes.get(map_id)
         if scene is not None:
             scene.move(T_map_base)
+
+    def _selected(self, map_id: str) -> OnSelect:
+        """Tells every browser of the map what was clicked."""
+
+        def publish(kind: str, ids: tuple[int, ...]) -> None:
+            self._hub.publish("selection", map_id, {"kind": kind, "ids": list(ids)})
+
+        return publish
 
     def close(self) -> None:
         """Close all of them."""

@@ -28,6 +28,7 @@ class Scene(Schema):
 
     layers: SceneLayers
     colour: Colouring
+    dark: bool = True
     selected_node: int | None = None
     selected_link: Pair | None = None
 
@@ -48,5 +49,6 @@ class SceneChange(Schema):
 
     layers: LayerChange | None = None
     colour: Colouring | None = None
+    dark: bool | None = None
     selected_node: int | None = None
     selected_link: Pair | None = None

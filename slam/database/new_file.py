@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sqlalchemy import NullPool, create_engine
 
-from slam.database.connection import refusing
+from slam.database.refusal import refusing
 from slam.database.schema import create_schema
 from slam.errors import DatabaseError
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from slam.database.file_check import check_file
+from slam.database.file_reader import FileReader
 from slam.database.lock import MapLock
-from slam.errors import DatabaseError
+from slam.database.refusal import refusing
 
 
 def remove_map(path: Path) -> None:
@@ -18,12 +18,12 @@ def remove_map(path: Path) -> None:
     """
     if not path.exists():
         return
-    check_file(path)
     lock = MapLock(path)
     try:
-        for suffix in ("-wal", "-shm", ""):
-            path.with_name(path.name + suffix).unlink(missing_ok=True)
-    except OSError as error:
-        raise DatabaseError(f"{path}: can't be removed ({error.strerror})") from error
+        # Whatever can't be read as a map may be anything, and stays.
+        FileReader(path)
+        with refusing(path, "removing the map"):
+            for suffix in ("", "-wal", "-shm"):
+                path.with_name(path.name + suffix).unlink(missing_ok=True)
     finally:
         lock.release()

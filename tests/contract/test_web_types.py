@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.contract.web_types import generate
-
 from tests.contract.node_tools import TYPES, run_tool
+from tests.contract.web_types import generate
 
 
 def test_generated_types_are_up_to_date(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from queue import Empty, Queue
 from threading import Thread
 from typing import IO
 
-_ADDRESS = re.compile(r"https?://\S+token=\S+")
+_ADDRESS = re.compile(r"https?://\S+")
 _START_SECONDS = 60.0
 
 #: Two rounds through the rendered flat, small and quick: loops from frame 210 on.
@@ -19,7 +19,7 @@ SMALL_TOUR = "tour:fps=5,width=320,height=240"
 
 def command(*arguments: str) -> list[str]:
     """Command line of the program in this interpreter."""
-    return [sys.executable, "-c", "from server.cli import main; main()", *arguments]
+    return [sys.executable, "-m", "server.cli", *arguments]
 
 
 def make_map(path: Path, source: str) -> None:
@@ -28,7 +28,7 @@ def make_map(path: Path, source: str) -> None:
 
 
 class Served:
-    """A server process; ``url`` is the address with the token that it printed."""
+    """A server process; ``url`` is the address that it printed, with the token."""
 
     def __init__(self, *arguments: str) -> None:
         self.process = subprocess.Popen(

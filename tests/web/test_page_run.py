@@ -140,6 +140,8 @@ def test_loop_threshold_decides_whether_loops_come(running: Page) -> None:
     expect(running.locator('[data-name="Rtabmap/LoopThr"] .foresight')).to_contain_text("reached by 0 of")
     closed = figure(running, "Hypothesis", r"▾ ([\d,]+)")
     set_parameter(running, "Rtabmap/LoopThr", "0.11")
-    wait_until(running, "n => Number(/▾ ([\\d,]+)/.exec(document.querySelector('.strip').innerText)?.[1]) >= n", closed + 5)
+    wait_until(
+        running, "n => Number(/▾ ([\\d,]+)/.exec(document.querySelector('.strip').innerText)?.[1]) >= n", closed + 5
+    )
     running.get_by_role("link", name="Loops").click()
     expect(running.get_by_role("row").filter(has_text="global").first).to_be_visible(timeout=SLOW)

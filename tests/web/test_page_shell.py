@@ -25,7 +25,13 @@ def test_the_list_opens_a_map_and_names_what_is_wrong_with_a_broken_one(library:
 
 @pytest.mark.parametrize(
     ("place", "heading"),
-    [("nodes/3", "Node 3"), ("loops", "Loop closures"), ("params?q=Vis", "Parameters"), ("stats", "Statistics"), ("maps", "Maps")],
+    [
+        ("nodes/3", "Node 3"),
+        ("loops", "Loop closures"),
+        ("params?q=Vis", "Parameters"),
+        ("stats", "Statistics"),
+        ("maps", "Maps"),
+    ],
 )
 def test_every_view_reopens_from_its_link(library: Served, open_page: OpenPage, place: str, heading: str) -> None:
     page = open_page(library, f"#/map/flat/{place}")
@@ -33,7 +39,7 @@ def test_every_view_reopens_from_its_link(library: Served, open_page: OpenPage, 
 
 
 def test_the_3d_view_stays_while_views_change(library: Served, open_page: OpenPage) -> None:
-    page = open_page(library, "#/map/flat/loops")
+    page = open_page(library, "#/map/flat/loops", in_3d=True)
     frame = page.locator("iframe.scene-frame")
     expect(frame).to_be_attached()
     frame.evaluate("frame => { frame.contentWindow.mark = 1; }")

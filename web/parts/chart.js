@@ -31,7 +31,6 @@ import { color, theme } from "../theme.js";
  */
 
 const CURSOR = "slamdeck";
-const MANY_MARKS = 120;
 
 /** @param {ChartProps} props */
 export function Chart(props) {
@@ -144,29 +143,37 @@ function drawGuides(u, { thresholds = [], marks = [], stems = false }) {
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
   ctx.clip();
   ctx.strokeStyle = ctx.fillStyle = color("loop");
-  for (const mark of marks) drawMark(u, mark, stems, marks.length > MANY_MARKS);
+  for (const mark of marks) drawMark(u, mark, stems);
   for (const { value, token } of thresholds) drawThreshold(u, value, color(token));
   ctx.restore();
 }
 
-/** @param {uPlot} u @param {Mark} mark @param {boolean} stem @param {boolean} thin */
-function drawMark(u, { at, height }, stem, thin) {
+/**
+ * Triangles while there is room for them, else ticks; stems never wider than half the way to the next one.
+ * @param {uPlot} u
+ * @param {Mark} mark
+ * @param {boolean} stem
+ */
+function drawMark(u, { at, height }, stem) {
   const { ctx, bbox } = u;
   const px = devicePixelRatio;
-  const x = Math.round(u.valToPos(at, "x", true));
-  ctx.globalAlpha = height && !thin ? 1 : 0.45;
+  const x = u.valToPos(at, "x", true);
+  const apart = u.valToPos(at + 1, "x", true) - x;
+  const half = Math.max(0.5 * px, Math.min(3 * px, apart / 2));
+  ctx.globalAlpha = height ? 0.9 : 0.45;
   ctx.beginPath();
-  ctx.moveTo(x - 3 * px, bbox.top);
-  ctx.lineTo(x + 3 * px, bbox.top);
+  ctx.moveTo(x - half, bbox.top);
+  ctx.lineTo(x + half, bbox.top);
   ctx.lineTo(x, bbox.top + 5 * px);
   ctx.fill();
+  if (stem && height) {
+    ctx.lineWidth = Math.max(0.5, Math.min(2 * px, apart / 2));
+    ctx.beginPath();
+    ctx.moveTo(x, u.valToPos(0, "y", true));
+    ctx.lineTo(x, u.valToPos(height, "y", true));
+    ctx.stroke();
+  }
   ctx.globalAlpha = 1;
-  if (!stem || !height) return;
-  ctx.lineWidth = (thin ? 1 : 2) * px;
-  ctx.beginPath();
-  ctx.moveTo(x, u.valToPos(0, "y", true));
-  ctx.lineTo(x, u.valToPos(height, "y", true));
-  ctx.stroke();
 }
 
 /** @param {uPlot} u @param {number} value @param {string} stroke */

@@ -63,7 +63,7 @@ function drawPoints(ctx, { x, y, size, word }, scale) {
     ctx.strokeStyle = word[i] > 0 ? WORD : NO_WORD;
     ctx.beginPath();
     // Pixel centres have whole coordinates.
-    ctx.arc((x[i] + 0.5) * scale, (y[i] + 0.5) * scale, Math.max(1.3, (size[i] / 4) * scale), 0, 2 * Math.PI);
+    ctx.arc((x[i] + 0.5) * scale, (y[i] + 0.5) * scale, Math.max(1.3, Math.min(9, (size[i] / 7) * scale)), 0, 2 * Math.PI);
     ctx.stroke();
   }
 }

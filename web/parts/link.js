@@ -7,7 +7,7 @@ import { graphRevision, inForce } from "../store.js";
 import { DecisionBar } from "./decision_bar.js";
 import { Facts } from "./facts.js";
 import { LinkName } from "./link_name.js";
-import { StateBadge } from "./loop_columns.js";
+import { sigmaText } from "./loop_columns.js";
 import { MatchPicture } from "./matches.js";
 import { rotationText, translationText } from "./pose.js";
 import { Failed, Loading } from "./state.js";
@@ -55,15 +55,15 @@ function facts(found) {
   const node = (/** @type {number} */ id) => html`<a href=${linkTo({ view: "nodes", key: id })}>${id}</a>`;
   const loopThr = Number(inForce("Rtabmap/LoopThr") ?? NaN);
   const enough = posterior !== null && posterior >= loopThr ? "≥" : "<";
-  const chi2 = found.chi2 === null ? "" : ` · χ² ${text.fixed(found.chi2, 1)}`;
+  const chi2 = found.chi2 === null ? "" : ` · χ² ${sigmaText(found.chi2)}`;
   return [
-    ["Link", html`${node(from)} → ${node(to)} ${found.state ? h(StateBadge, { state: found.state }) : h(LinkName, { type })}`],
+    ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
     ["P", posterior === null ? text.NONE : `${text.fixed(posterior)} ${enough} ${text.short(loopThr)} LoopThr`],
     ["Inliers", matches === null || matches < 0 ? text.NONE : `${inliers} of ${matches}`],
     ["Translation", transform ? translationText(transform) : text.NONE],
     ["Sigma", sigma ? `${text.length(Math.max(...sigma))} · ${text.fixed(Math.max(...(sigmaDeg ?? [])), 2)} °` : text.NONE, "Largest of the three axes"],
     ["Rotation", transform ? rotationText(transform) : text.NONE],
-    ["Residual", found.residual_sigma === null ? text.NONE : `${text.fixed(found.residual_sigma, 1)} σ${chi2}`],
+    ["Residual", found.residual_sigma === null ? text.NONE : `${sigmaText(found.residual_sigma)} σ${chi2}`],
     ["Distance", transform ? `${text.length(found.translation_m)} · ${text.fixed(found.rotation_deg, 1)} °` : text.NONE],
   ];
 }

@@ -23,6 +23,11 @@ export function StateBadge({ state, hint }) {
   return h(Badge, { tone, hint, children: word });
 }
 
+/** @param {number | null} sigma */
+export function sigmaText(sigma) {
+  return text.fixed(sigma, sigma !== null && sigma < 1 ? 2 : 1);
+}
+
 /** @returns {import("./table.js").TableColumn<LoopRow>[]} */
 export function loopColumns() {
   return [
@@ -47,7 +52,7 @@ export function loopColumns() {
       number: true,
       hint: "How far the optimised graph is from this measurement, in its own standard deviations",
       cell: ({ residual_sigma: sigma }) =>
-        html`<span class=${cx(sigma !== null && sigma >= SUSPECT_SIGMA && "ink-bad strong")}>${text.fixed(sigma, 1)}</span>`,
+        html`<span class=${cx(sigma !== null && sigma >= SUSPECT_SIGMA && "ink-bad strong")}>${sigmaText(sigma)}</span>`,
     },
   ];
 }

@@ -14,6 +14,7 @@ import { useFetched } from "./use.js";
 const GAP = 2;
 const INLIER = "#4be08f";
 const OUTLIER = "#ff5a5a";
+const LINE_ROOM_PX = 3;
 const showInliers = remembered("inliers", true);
 const showOutliers = remembered("outliers", true);
 
@@ -66,27 +67,48 @@ function Pair({ map, from, to, matches }) {
 /** @param {CanvasRenderingContext2D} ctx @param {LinkMatches} matches @param {number} half width of one image */
 function drawMatches(ctx, matches, half) {
   // Outliers first, so that they never cover what holds the link together.
-  if (showOutliers.value) drawLines(ctx, matches, half, false);
-  if (showInliers.value) drawLines(ctx, matches, half, true);
+  if (showOutliers.value) drawKind(ctx, matches, half, false);
+  if (showInliers.value) drawKind(ctx, matches, half, true);
 }
 
-/** @param {CanvasRenderingContext2D} ctx @param {LinkMatches} matches @param {number} half @param {boolean} inlier */
-function drawLines(ctx, { from, to, x1, y1, x2, y2, inlier: inliers }, half, inlier) {
-  const [left, right] = [half / from.width, half / to.width];
+/**
+ * A point for each match, and as many lines as one can tell apart.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {LinkMatches} matches
+ * @param {number} half
+ * @param {boolean} inlier
+ */
+function drawKind(ctx, matches, half, inlier) {
+  const ends = endPoints(matches, half, inlier);
+  const every = Math.ceil(ends.length / (half / LINE_ROOM_PX));
   ctx.strokeStyle = ctx.fillStyle = inlier ? INLIER : OUTLIER;
   ctx.lineWidth = inlier ? 1 : 0.7;
-  for (let i = 0; i < x1.length; i += 1) {
-    if (inliers[i] !== inlier) continue;
-    const [ax, ay] = [(x1[i] + 0.5) * left, (y1[i] + 0.5) * left];
-    const [bx, by] = [half + GAP + (x2[i] + 0.5) * right, (y2[i] + 0.5) * right];
-    ctx.globalAlpha = inlier ? 0.6 : 0.3;
-    ctx.beginPath();
-    ctx.moveTo(ax, ay);
-    ctx.lineTo(bx, by);
-    ctx.stroke();
-    ctx.globalAlpha = inlier ? 0.95 : 0.4;
+  ends.forEach(([ax, ay, bx, by], index) => {
+    if (index % every === 0) {
+      ctx.globalAlpha = inlier ? 0.6 : 0.35;
+      ctx.beginPath();
+      ctx.moveTo(ax, ay);
+      ctx.lineTo(bx, by);
+      ctx.stroke();
+    }
+    ctx.globalAlpha = inlier ? 0.85 : 0.5;
     ctx.fillRect(ax - 1, ay - 1, 2, 2);
     ctx.fillRect(bx - 1, by - 1, 2, 2);
-  }
+  });
   ctx.globalAlpha = 1;
+}
+
+/**
+ * Both ends of each match on the canvas; pixel centres have whole coordinates.
+ * @param {LinkMatches} matches
+ * @param {number} half
+ * @param {boolean} wanted inliers or outliers
+ */
+function endPoints({ from, to, x1, y1, x2, y2, inlier }, half, wanted) {
+  const [left, right] = [half / from.width, half / to.width];
+  return x1.flatMap((x, i) =>
+    inlier[i] === wanted
+      ? [[(x + 0.5) * left, (y1[i] + 0.5) * left, half + GAP + (x2[i] + 0.5) * right, (y2[i] + 0.5) * right]]
+      : [],
+  );
 }

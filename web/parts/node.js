@@ -41,7 +41,7 @@ export function NodeInspector({ map, id }) {
           ["Words", text.whole(node.words)],
         ],
       })}
-      ${h(Poses, { rows: [["Map", node.pose], ["Odometry", node.odom], ["Truth", node.truth]] })}
+      ${h(Poses, { rows: [["Map", node.pose], ["Odometry", node.odom], ["Truth", node.truth, "In the frame of the ground truth"]] })}
       ${h(Links, { node })} ${h(Statistics, { values: node.statistics })}
     </div>
   </section>`;

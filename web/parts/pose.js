@@ -22,7 +22,7 @@ export function rotationText(pose) {
   return `${rollPitchYaw(pose).map((value) => text.fixed(value, 1)).join("  ")} °`;
 }
 
-/** @param {{rows: [string, Pose][]}} props */
+/** @param {{rows: [string, Pose, string?][]}} props name, pose, and a hint */
 export function Poses({ rows }) {
   return html`<table class="poses">
     <thead>
@@ -30,7 +30,7 @@ export function Poses({ rows }) {
     </thead>
     <tbody>
       ${rows.map(
-        ([name, pose]) => html`<tr key=${name}>
+        ([name, pose, hint]) => html`<tr key=${name} title=${hint}>
           <th scope="row">${name}</th>
           ${pose
             ? html`<td>${translationText(pose)}</td>`

@@ -3,6 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { html } from "../html.js";
 import { address } from "../api.js";
 import { color, theme } from "../theme.js";
+import { setScene } from "../actions.js";
 import { openPalette } from "./palette.js";
 
 /** viser draws on a transparent canvas; its panels repeat what the page has, and its notices cover the layers. */
@@ -15,7 +16,10 @@ const style = (/** @type {string} */ ground) => `
 export function SceneFrame({ map }) {
   const frame = useRef(/** @type {HTMLIFrameElement | null} */ (null));
   const now = theme.value;
-  useEffect(() => void (frame.current && paint(frame.current)), [now]);
+  useEffect(() => {
+    if (frame.current) paint(frame.current);
+    setScene({ dark: now === "dark" });
+  }, [now, map]);
   return html`<iframe
     ref=${frame}
     class="scene-frame"

@@ -44,7 +44,7 @@ export function Table(props) {
 
   useEffect(() => props.onRange?.(first, last), [first, last, total]);
   useEffect(() => watchSize(body.current, setView), []);
-  useEffect(() => keepInSight(body.current, selected), [selected]);
+  useEffect(() => keepInSight(body.current, selected), [selected, view.height]);
 
   const tracks = columns.map((column) => column.width).join(" ");
   const indices = Array.from({ length: Math.max(0, last - first) }, (_, i) => first + i);

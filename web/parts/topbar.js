@@ -52,7 +52,7 @@ function SessionState() {
   const ate = now.map === openMapId.value ? now.ate_m : undefined;
   const shown = ate ?? info.value?.ate_m;
   return html`<div class="session" role="status" aria-live="off">
-    ${now.map ? h(Progress, { now }) : openMapId.value && html`<span class="quiet">looking only</span>`}
+    ${now.map ? h(Progress, { now }) : openMapId.value && html`<span class="quiet">browsing</span>`}
     ${shown !== null && shown !== undefined &&
     html`<span class="quiet" title="Absolute trajectory error against ground truth, aligned">ATE ${text.length(shown)}</span>`}
   </div>`;

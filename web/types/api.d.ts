@@ -1113,7 +1113,10 @@ export interface components {
              * @enum {string}
              */
             colour: "memory" | "session" | "time" | "weight";
-            /** Dark */
+            /**
+             * Dark
+             * @default true
+             */
             dark: boolean;
             layers: components["schemas"]["SceneLayers"];
             /** Selected Link */
@@ -1232,11 +1235,8 @@ export interface components {
              * @description Name of the new file in the first served folder, without ``.db``.
              */
             map: string;
-            /**
-             * Params
-             * @default {}
-             */
-            params: {
+            /** Params */
+            params?: {
                 [key: string]: boolean | number | string;
             };
             /**

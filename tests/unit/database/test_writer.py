@@ -228,3 +228,18 @@ def test_a_file_whose_program_failed_is_plain_but_not_clean(tmp_path: Path) -> N
     assert [item.name for item in tmp_path.iterdir()] == ["map.db"]
     info = MapReader(path).info()
     assert (info.clean, info.seeds, info.sources) == (False, (3,), ("x",))
+
+
+def test_words_of_older_nodes_become_others(tmp_path: Path) -> None:
+    path = tmp_path / "map.db"
+    with MapWriter.create(path, Params(), seed=0, source="") as writer:
+        writer.add_node(record(1))
+        writer.add_node(record(2))
+        renamed = {1: {1001: 3001, 1002: 1003, 1003: 2005, 77: 1004}}
+        with pytest.raises(DatabaseError, match="words of older nodes can't become 9999"):
+            writer.add_node(record(3, renamed_words={1: {1001: 9999}}))
+        writer.add_node(record(3, renamed_words=renamed))
+    expected = record(1).node.word_ids.copy()
+    expected[:3] = [3001, 1003, 2005]
+    assert MapReader(path).features(1)[1].tolist() == expected.tolist()
+    assert MapReader(path).features(2)[1].tolist() == record(2).node.word_ids.tolist()

@@ -1,0 +1,98 @@
+"""The coloured points that the nodes saw."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from server.scene.choice import Choice
+from server.scene.cloud_points import CloudPoints, points_of_each, view_points
+from server.scene.placed import PlacedGraph
+from slam.database import MapReader
+from slam.errors import SlamError
+from slam.geometry import Pose, to_quat_xyzw
+
+if TYPE_CHECKING:
+    from viser import PointCloudHandle, SceneApi
+
+_LOG = logging.getLogger(__name__)
+#: Size of a point, by the distance of its neighbours: surfaces close, edges stay fine.
+_POINT_SIZE = 0.75
+#: Of each cloud so many points are kept here, to tell what the map looks like as a whole.
+_SAMPLE = 60
+
+
+class CloudLayer:
+    """One scene node for each chosen node's points, in that node's frame: after a loop closure only poses are sent."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._choice = Choice()
+        self._poses: dict[int, Pose] = {}
+        self._handles: dict[int, PointCloudHandle] = {}
+        self._samples: dict[int, NDArray[np.float32]] = {}
+        self._unusable: set[int] = set()
+        self._visible = True
+
+    def draw(self, graph: PlacedGraph, usable: Iterable[int], *, visible: bool) -> None:
+        """Move what is there to where the nodes are now, and choose which clouds are missing."""
+        self._visible = visible
+        self._choice.update(graph, usable)
+        self._poses = {node_id: graph.T_map[graph.rows[node_id]] for node_id in self._choice.ids}
+        for node_id in self._handles.keys() - set(self._choice.ids):
+            self._handles.pop(node_id).remove()
+            del self._samples[node_id]
+        for node_id, handle in self._handles.items():
+            T_map_base = self._poses[node_id]
+            handle.wxyz, handle.position = wxyz(T_map_base), T_map_base[:3, 3]
+            handle.visible = visible
+
+    @property
+    def missing(self) -> list[int]:
+        """Chosen nodes whose points were not sent yet, the newest last."""
+        return [i for i in self._choice.ids if i not in self._handles and i not in self._unusable]
+
+    def load(self, reader: MapReader, node_ids: Sequence[int]) -> None:
+        """Read and send the points of these nodes; those whose images can't be used are left out from now on."""
+        most = points_of_each(len(self._choice.ids))
+        for node_id in node_ids:
+            T_map_base = self._poses[node_id]
+            try:
+                image, depth = reader.image_bgr(node_id), reader.depth_m(node_id)
+                cloud = view_points(image, depth, reader.camera(node_id), T_map_base, most)
+            except SlamError as error:
+                _LOG.info("no cloud: %s", error)
+                self._unusable.add(node_id)
+                continue
+            if len(cloud.points):
+                self._send(node_id, cloud, T_map_base)
+            else:
+                self._unusable.add(node_id)
+
+    def _send(self, node_id: int, cloud: CloudPoints, T_map_base: Pose) -> None:
+        self._samples[node_id] = cloud.points[:: max(1, len(cloud.points) // _SAMPLE)]
+        self._handles[node_id] = self._scene.add_point_cloud(
+            f"/cloud/{node_id}",
+            cloud.points,
+            cloud.colours,
+            point_size=_POINT_SIZE * cloud.spacing,
+            point_shape="rounded",
+            point_shading="flat",
+            wxyz=wxyz(T_map_base),
+            position=T_map_base[:3, 3],
+            visible=self._visible,
+        )
+
+    def sample(self) -> NDArray[np.float64]:
+        """Some points (N, 3) of all clouds sent so far, in the map frame."""
+        placed = [points @ self._poses[i][:3, :3].T + self._poses[i][:3, 3] for i, points in self._samples.items()]
+        return np.concatenate([np.zeros((0, 3)), *placed])
+
+
+def wxyz(T_a_b: Pose) -> NDArray[np.float64]:
+    """The rotation of a pose as viser wants it: w x y z."""
+    return np.roll(to_quat_xyzw(T_a_b), 1)

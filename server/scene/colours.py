@@ -1,0 +1,110 @@
+"""What everything in the 3D view is coloured like, in both themes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from server.scene.placed import PlacedGraph
+from server.scene.tone import Rgb
+from server.schemas.scene import Colouring
+
+Colours = NDArray[np.uint8]
+
+#: Sessions, in turn: far apart in hue, and none of them red like a loop.
+_SESSIONS = np.array(
+    [[76, 201, 240], [255, 181, 71], [61, 220, 132], [177, 140, 255], [255, 226, 92], [94, 234, 212], [240, 140, 90]],
+    dtype=np.uint8,
+)
+#: Support points of the scale from old to new, and from light to heavy (after viridis, without its darkest end).
+_SCALE = np.array([[72, 90, 160], [45, 140, 160], [40, 185, 135], [150, 215, 75], [253, 231, 76]], dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Theme:
+    """Colours of one theme, red green blue, as they shall look."""
+
+    background: tuple[Rgb, Rgb]
+    ground: tuple[Rgb, Rgb]
+    stm: Rgb
+    wm: Rgb
+    ltm: Rgb
+    neighbor: Rgb
+    loop: Rgb
+    proximity: Rgb
+    user: Rgb
+    virtual: Rgb
+    odometry: Rgb
+    truth: Rgb
+    frustum: Rgb
+    newest: Rgb
+    selected: Rgb
+    free: Rgb
+    occupied: Rgb
+
+
+DARK = Theme(
+    background=((22, 26, 33), (11, 13, 17)),
+    ground=((34, 39, 48), (48, 55, 67)),
+    stm=(255, 181, 71),
+    wm=(61, 220, 132),
+    ltm=(122, 136, 160),
+    neighbor=(128, 142, 166),
+    loop=(255, 82, 133),
+    proximity=(255, 150, 190),
+    user=(177, 140, 255),
+    virtual=(90, 100, 120),
+    odometry=(84, 116, 230),
+    truth=(226, 206, 120),
+    frustum=(92, 112, 140),
+    newest=(255, 181, 71),
+    selected=(255, 255, 255),
+    free=(150, 163, 184),
+    occupied=(4, 5, 8),
+)
+LIGHT = Theme(
+    background=((255, 255, 255), (236, 240, 245)),
+    ground=((222, 227, 234), (203, 210, 220)),
+    stm=(224, 134, 10),
+    wm=(22, 148, 82),
+    ltm=(138, 150, 172),
+    neighbor=(112, 124, 146),
+    loop=(214, 30, 96),
+    proximity=(236, 110, 160),
+    user=(120, 80, 220),
+    virtual=(170, 178, 192),
+    odometry=(60, 90, 215),
+    truth=(150, 116, 10),
+    frustum=(120, 138, 165),
+    newest=(224, 134, 10),
+    selected=(12, 16, 24),
+    free=(246, 248, 251),
+    occupied=(40, 46, 58),
+)
+
+
+def theme(dark: bool) -> Theme:
+    """The colours of the dark or of the light theme."""
+    return DARK if dark else LIGHT
+
+
+def node_colours(graph: PlacedGraph, how: Colouring, look: Theme) -> Colours:
+    """Colour (N, 3) of each node."""
+    if how == "session":
+        order = np.unique(graph.map_ids, return_inverse=True)[1]
+        return np.asarray(_SESSIONS[order % len(_SESSIONS)])
+    if how == "time":
+        return _on_scale(np.arange(len(graph), dtype=np.float64))
+    if how == "weight":
+        return _on_scale(np.log2(1.0 + graph.weights.clip(min=0)))
+    return np.asarray(np.array([look.stm, look.wm, look.ltm], dtype=np.uint8)[graph.tiers])
+
+
+def _on_scale(values: NDArray[np.float64]) -> Colours:
+    """Values (N,), the least to the greatest, as colours (N, 3) of the scale."""
+    least, greatest = (values.min(), values.max()) if len(values) else (0.0, 0.0)
+    place = (values - least) / max(greatest - least, 1e-9) * (len(_SCALE) - 1)
+    channels = [np.interp(place, np.arange(len(_SCALE)), _SCALE[:, channel]) for channel in range(3)]
+    return np.asarray(np.rint(np.column_stack(channels)), dtype=np.uint8)

@@ -1,0 +1,109 @@
+"""The part of a map that has a place in the 3D view, as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from server.browse.snapshot import Pair, Snapshot
+from slam.types import LinkType, Tier
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_TIERS = {Tier.STM: 0, Tier.WM: 1, Tier.LTM: 2}
+
+
+class LinkKind(Enum):
+    """Links that are drawn alike."""
+
+    NEIGHBOR = "neighbor"
+    LOOP = "loop"
+    PROXIMITY = "proximity"
+    USER = "user"
+    VIRTUAL = "virtual"
+
+
+_KINDS = {
+    LinkType.NEIGHBOR: LinkKind.NEIGHBOR,
+    LinkType.NEIGHBOR_MERGED: LinkKind.NEIGHBOR,
+    LinkType.GLOBAL_CLOSURE: LinkKind.LOOP,
+    LinkType.LOCAL_SPACE_CLOSURE: LinkKind.PROXIMITY,
+    LinkType.LOCAL_TIME_CLOSURE: LinkKind.PROXIMITY,
+    LinkType.USER_CLOSURE: LinkKind.USER,
+    LinkType.VIRTUAL_CLOSURE: LinkKind.VIRTUAL,
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedGraph:
+    """Nodes whose pose is known, ascending by id, and the links between them.
+
+    Attributes:
+        ids: (N,) node ids.
+        T_map: (N, 4, 4) poses T_map_base.
+        T_odom: (N, 4, 4) odometry poses, NaN where unknown.
+        T_world: (N, 4, 4) ground truth, NaN where unknown.
+        map_ids: (N,) session numbers.
+        weights: (N,) weights.
+        tiers: (N,) 0, 1, 2 for short-term, working and long-term memory.
+        links: (L, 2) rows of both nodes of each link, by kind.
+        rows: row of each node id.
+    """
+
+    ids: Ints
+    T_map: Array
+    T_odom: Array
+    T_world: Array
+    map_ids: Ints
+    weights: Ints
+    tiers: Ints
+    links: dict[LinkKind, Ints]
+    rows: dict[int, int]
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    @property
+    def positions(self) -> Array:
+        """(N, 3) metres in the map frame."""
+        return self.T_map[:, :3, 3]
+
+    @classmethod
+    def of(cls, snapshot: Snapshot) -> PlacedGraph:
+        """The graph of a map as it is now; nodes without a finite pose are left out."""
+        table, poses = snapshot.nodes, snapshot.poses
+        every: list[int] = table.ids.tolist()
+        kept = [row for row, node_id in enumerate(every) if node_id in poses and np.isfinite(poses[node_id]).all()]
+        ids = [every[row] for row in kept]
+        rows = {node_id: row for row, node_id in enumerate(ids)}
+        return cls(
+            ids=np.array(ids, dtype=np.int64),
+            T_map=np.array([poses[node_id] for node_id in ids], dtype=np.float64).reshape(-1, 4, 4),
+            T_odom=table.T_odom[kept],
+            T_world=table.T_world[kept],
+            map_ids=table.map_ids[kept].astype(np.int64),
+            weights=table.weights[kept].astype(np.int64),
+            tiers=np.array([_TIERS[snapshot.tiers.get(node_id, Tier.LTM)] for node_id in ids], dtype=np.int64),
+            links=_links(snapshot, rows),
+            rows=rows,
+        )
+
+    def pair_of(self, kind: LinkKind, index: int) -> Pair:
+        """Ids of both nodes of a link."""
+        a, b = self.links[kind][index]
+        return int(self.ids[a]), int(self.ids[b])
+
+
+def _links(snapshot: Snapshot, rows: dict[int, int]) -> dict[LinkKind, Ints]:
+    """Rows of both ends by kind, sorted, so that a map that grows changes only the end of each list."""
+    found: dict[LinkKind, list[Pair]] = {kind: [] for kind in LinkKind}
+    for link in snapshot.links.values():
+        kind = _KINDS.get(link.type)
+        if kind is not None and link.from_id in rows and link.to_id in rows:
+            found[kind].append((rows[link.from_id], rows[link.to_id]))
+    ordered = {kind: sorted(pairs, key=lambda pair: (max(pair), min(pair))) for kind, pairs in found.items()}
+    return {kind: np.array(pairs, dtype=np.int64).reshape(-1, 2) for kind, pairs in ordered.items()}

@@ -1,0 +1,119 @@
+"""The 3D view of one map, drawn by one thread."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+
+from server.browse.map_view import MapView
+from server.browse.snapshot import Pair
+from server.schemas.scene import Scene, SceneChange, SceneLayers
+from slam.errors import SlamError
+from slam.geometry import Pose
+
+_LOG = logging.getLogger(__name__)
+
+#: A map that is being written is drawn at most this often.
+_PAUSE_S = 0.15
+
+
+class MapScene:
+    """Shows a map in a viser server of its own, to as many browsers as look at it.
+
+    Attributes:
+        view: the map.
+        port: of the viser server on 127.0.0.1.
+    """
+
+    def __init__(self, view: MapView, on_select: Callable[[str, tuple[int, ...]], None], *, dark: bool = True) -> None:
+        # viser takes a second to load: only who opens a view waits for it.
+        from server.scene.painter import Painter
+
+        self.view = view
+        self._on_select = on_select
+        self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark)
+        self._lock = threading.Lock()
+        self._changed = threading.Event()
+        self._stale = threading.Event()
+        self._pose: Pose | None = None
+        self._closing = threading.Event()
+        self._painter = Painter(self._clicked_node, self._clicked_link)
+        self.port = self._painter.port
+        self._worker = threading.Thread(target=self._work, name=f"scene {view.file.id}", daemon=True)
+        self._worker.start()
+        self.refresh()
+
+    def refresh(self) -> None:
+        """The map's file may have changed: draw it anew, soon."""
+        self._stale.set()
+        self._changed.set()
+
+    def move(self, T_map_base: Pose | None) -> None:
+        """The camera of the run that makes the map is here now; None while it is lost."""
+        self._pose = T_map_base
+        self._changed.set()
+
+    def state(self) -> Scene:
+        """What is shown, and how."""
+        with self._lock:
+            return self._state.model_copy(deep=True)
+
+    def change(self, change: SceneChange) -> Scene:
+        """Take over what the change names and draw it soon; selecting a node deselects a link, and the reverse."""
+        named = change.model_fields_set
+        with self._lock:
+            state = self._state
+            if change.layers is not None:
+                layers = state.layers.model_dump() | change.layers.model_dump(exclude_none=True)
+                state.layers = SceneLayers(**layers)
+            state.colour = change.colour if change.colour is not None else state.colour
+            state.dark = change.dark if change.dark is not None else state.dark
+            if "selected_node" in named:
+                state.selected_node = change.selected_node
+                if change.selected_node is not None:
+                    state.selected_link = None
+            if "selected_link" in named:
+                state.selected_link = change.selected_link
+                if change.selected_link is not None and change.selected_node is None:
+                    state.selected_node = None
+        self.refresh()
+        return self.state()
+
+    def close(self) -> None:
+        """Stop drawing and close the port."""
+        self._closing.set()
+        self._changed.set()
+        self._worker.join()
+        self._painter.close()
+
+    def _clicked_node(self, node_id: int) -> None:
+        self.change(SceneChange(selected_node=node_id))
+        self._on_select("node", (node_id,))
+
+    def _clicked_link(self, pair: Pair) -> None:
+        self.change(SceneChange(selected_link=list(pair)))
+        self._on_select("link", pair)
+
+    def _draw(self) -> None:
+        pose, self._pose = self._pose, None
+        if self._stale.is_set():
+            self._stale.clear()
+            self._painter.draw(self.view.snapshot(), self.state())
+        if pose is not None:
+            self._painter.move(pose)
+
+    def _work(self) -> None:
+        """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did."""
+        pending = False
+        while not self._closing.is_set():
+            try:
+                if self._changed.wait(timeout=0.0 if pending else None):
+                    self._changed.clear()
+                    self._draw()
+                pending = not self._closing.is_set() and self._painter.load_some()
+            except SlamError as error:
+                # The file is gone or can't be read now: what is shown stays, the next change tries again.
+                _LOG.warning("the 3D view of %s is not drawn anew: %s", self.view.file.name, error)
+                pending = False
+            self._closing.wait(0.0 if pending else _PAUSE_S)
