@@ -134,3 +134,4 @@ class Painter:
         camera = self._viewer.initial_camera
         camera.position, camera.look_at = framing.position, framing.look_at
         camera.up, camera.fov = np.array([0.0, 0.0, 1.0]), float(FIELD_OF_VIEW)
+        camera.far = max(1000.0, 20.0 * framing.distance)
