@@ -171,7 +171,8 @@ class Review:
         known = there if here is not None and here.same(poses) else None
         try:
             with self._change(entry, known) as separated:
-                shift, chi2_after = Shift.between(poses, self.graph.poses), self._chi2()
+                shift = Shift.between(poses, self.graph.poses)
+                chi2_after = chi2_before if self.graph.poses is poses else self._chi2()
                 ate = [self._ate(p) if self._ate is not None else None for p in (poses, self.graph.poses)]
                 entry = replace(entry, time=time.time(), chi2_before=chi2_before, chi2_after=chi2_after)
                 entry = replace(entry, moved=shift.moved, max_shift_m=shift.max_m)

@@ -108,6 +108,11 @@ class Slam:
         )
         self._writer.close()
 
+    def abandon(self) -> None:
+        """Lets go of a file that can't be written any more; what was stored stays sound."""
+        if self._writer is not None:
+            self._writer.close()
+
     def _update(self, frame: Frame, odometry: Odometry) -> Update:
         clock = StageClock()
         self._last_stamp = frame.stamp
@@ -279,6 +284,7 @@ class Slam:
             depth_m=frame.depth_m,
             links=links,
             words=words,
+            renamed_words=self.memory.take_renamed(),
             grid=grid,
             statistics=update.statistics,
             wm_ids=self._wm_ids() if self.params.Rtabmap.SaveWMState else None,

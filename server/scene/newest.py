@@ -12,6 +12,7 @@ from server.scene.frusta import OPENING
 from server.scene.placed import PlacedGraph
 from server.scene.tone import for_line
 from slam.camera import T_BASE_OPTICAL
+from slam.geometry import Pose
 
 if TYPE_CHECKING:
     from viser import CameraFrustumHandle, SceneApi
@@ -43,5 +44,10 @@ class NewestLayer:
         frustum.color = for_line(look.newest)
         frustum.scale = size
         if len(graph):
-            T_map_cam = np.asarray(graph.T_map[-1] @ T_BASE_OPTICAL)
-            frustum.wxyz, frustum.position = wxyz(T_map_cam), T_map_cam[:3, 3]
+            self.move(graph.T_map[-1])
+
+    def move(self, T_map_base: Pose) -> None:
+        """Put it there; nothing happens before it was drawn."""
+        if self._frustum is not None:
+            T_map_cam = np.asarray(T_map_base @ T_BASE_OPTICAL)
+            self._frustum.wxyz, self._frustum.position = wxyz(T_map_cam), T_map_cam[:3, 3]

@@ -21,6 +21,7 @@ from server.scene.paths import PathLayer
 from server.scene.placed import PlacedGraph
 from server.scene.viewer import Viewer
 from server.schemas.scene import Scene
+from slam.geometry import Pose
 
 #: Clouds read before the file is looked at again.
 _AT_ONCE = 4
@@ -65,6 +66,10 @@ class Painter:
             self._drawn = (snapshot, graph, state)
             self._draw_graph()
             self._draw_ground()
+
+    def move(self, T_map_base: Pose) -> None:
+        """Show the robot here, between two nodes."""
+        self._newest.move(T_map_base)
 
     def load_some(self) -> bool:
         """Send some missing clouds, the newest first; whether more are missing."""

@@ -10,6 +10,7 @@ from server.browse.map_view import MapView
 from server.browse.snapshot import Pair
 from server.schemas.scene import Scene, SceneChange, SceneLayers
 from slam.errors import SlamError
+from slam.geometry import Pose
 
 _LOG = logging.getLogger(__name__)
 
@@ -21,6 +22,7 @@ class MapScene:
     """Shows a map in a viser server of its own, to as many browsers as look at it.
 
     Attributes:
+        view: the map.
         port: of the viser server on 127.0.0.1.
     """
 
@@ -28,11 +30,13 @@ class MapScene:
         # viser takes a second to load: only who opens a view waits for it.
         from server.scene.painter import Painter
 
-        self._view = view
+        self.view = view
         self._on_select = on_select
         self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark)
         self._lock = threading.Lock()
         self._changed = threading.Event()
+        self._stale = threading.Event()
+        self._pose: Pose | None = None
         self._closing = threading.Event()
         self._painter = Painter(self._clicked_node, self._clicked_link)
         self.port = self._painter.port
@@ -42,6 +46,12 @@ class MapScene:
 
     def refresh(self) -> None:
         """The map's file may have changed: draw it anew, soon."""
+        self._stale.set()
+        self._changed.set()
+
+    def move(self, T_map_base: Pose | None) -> None:
+        """The camera of the run that makes the map is here now; None while it is lost."""
+        self._pose = T_map_base
         self._changed.set()
 
     def state(self) -> Scene:
@@ -85,6 +95,14 @@ class MapScene:
         self.change(SceneChange(selected_link=list(pair)))
         self._on_select("link", pair)
 
+    def _draw(self) -> None:
+        pose, self._pose = self._pose, None
+        if self._stale.is_set():
+            self._stale.clear()
+            self._painter.draw(self.view.snapshot(), self.state())
+        if pose is not None:
+            self._painter.move(pose)
+
     def _work(self) -> None:
         """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did."""
         pending = False
@@ -92,10 +110,10 @@ class MapScene:
             try:
                 if self._changed.wait(timeout=0.0 if pending else None):
                     self._changed.clear()
-                    self._painter.draw(self._view.snapshot(), self.state())
+                    self._draw()
                 pending = not self._closing.is_set() and self._painter.load_some()
             except SlamError as error:
                 # The file is gone or can't be read now: what is shown stays, the next change tries again.
-                _LOG.warning("the 3D view of %s is not drawn anew: %s", self._view.file.name, error)
+                _LOG.warning("the 3D view of %s is not drawn anew: %s", self.view.file.name, error)
                 pending = False
             self._closing.wait(0.0 if pending else _PAUSE_S)

@@ -1,18 +1,10 @@
 """The map file: RTAB-Map's SQLite schema with slamdeck's own tables beside it; the only place that speaks SQL."""
 
+from slam.database.deck_values import CandidateRow, LoopState, ParameterChange, UpdateRow
 from slam.database.reader import MapReader
 from slam.database.records import JournalEntry, NodeRecord, WordRows
-from slam.database.rows import (
-    CandidateRow,
-    LoopState,
-    MapInfo,
-    NodeRow,
-    NodeTable,
-    ParameterChange,
-    SessionRow,
-    StatisticsTable,
-    UpdateRow,
-)
+from slam.database.removal import remove_map
+from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
 from slam.database.writer import MapWriter
 
 __all__ = [
@@ -30,4 +22,5 @@ __all__ = [
     "StatisticsTable",
     "UpdateRow",
     "WordRows",
+    "remove_map",
 ]

@@ -87,6 +87,13 @@ def read_grid(connection: Connection) -> OccupancyGrid | None:
     )
 
 
+def forget_dictionary_index(connection: Connection) -> None:
+    """Remove RTAB-Map's saved search index over the words (0.23): it would not know new ones, and is made anew."""
+    columns = connection.exec_driver_sql("PRAGMA table_info(Admin)").all()
+    if any(column.name == "dictionary_index" for column in columns):
+        connection.exec_driver_sql("UPDATE Admin SET dictionary_index = NULL")
+
+
 def clear_derived(connection: Connection) -> None:
     """Remove what was made from the graph as it was: grid, cloud and mesh."""
     connection.execute(update(admin).values({name: null() for name in (*_GRID, *_MESH)}))

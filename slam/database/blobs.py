@@ -85,7 +85,8 @@ def unpack_transform(blob: bytes | None) -> Pose | None:
     """(4, 4) pose; None for NULL, for the null transform, and for one with a NaN."""
     if blob is None or len(blob) != 48:
         return None
-    return _pose(np.frombuffer(blob, dtype="<f4"))
+    (T_a_b,) = stack_rows(np.frombuffer(blob, dtype="<f4"))
+    return None if np.isnan(T_a_b[0, 0]) else T_a_b
 
 
 def pack_pose(T_a_b: Pose | None) -> bytes | None:
@@ -95,12 +96,16 @@ def pack_pose(T_a_b: Pose | None) -> bytes | None:
 
 def unpack_pose(blob: bytes | None) -> Pose | None:
     """(4, 4) pose of 96 bytes; None for NULL."""
-    return None if blob is None or len(blob) != 96 else _pose(np.frombuffer(blob, dtype="<f8"))
+    return unpack_poses([blob])[0]
 
 
-def _pose(numbers: NDArray[np.floating]) -> Pose | None:
-    (T_a_b,) = stack_rows(numbers)
-    return None if np.isnan(T_a_b[0, 0]) else T_a_b
+def unpack_poses(blobs: Sequence[bytes | None]) -> list[Pose | None]:
+    """Poses of many blobs of 96 bytes; None for NULL."""
+    null = bytes(96)
+    raw = b"".join(blob if blob is not None and len(blob) == 96 else null for blob in blobs)
+    stack = stack_rows(np.frombuffer(raw, dtype="<f8"))
+    known = np.isfinite(stack[:, 0, 0])
+    return [T_a_b if ok else None for T_a_b, ok in zip(stack, known.tolist(), strict=True)]
 
 
 def stack_transforms(blobs: Sequence[bytes | None]) -> NDArray[np.float64]:

@@ -10,9 +10,9 @@ from sqlalchemy import Connection, Row, select
 
 from slam.database.blobs import pack_pose, unpack_information, unpack_pose
 from slam.database.deck_tables import candidate
+from slam.database.deck_values import CandidateRow, LoopState
 from slam.database.insertion import insert_rows
 from slam.database.journal_rows import read_standing
-from slam.database.rows import CandidateRow, LoopState
 from slam.types import Candidate, LinkType, Refusal
 
 _COLUMNS = tuple(c for c in candidate.c.keys() if c != "id")  # noqa: SIM118 (columns, not a dictionary)

@@ -1,4 +1,4 @@
-"""Connections to a map file: one that writes, many that read and change nothing; SQLite's errors become ours."""
+"""Connections to a map file: one that writes, many that read and change nothing."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ from typing import TypeVar
 from urllib.parse import quote
 
 from sqlalchemy import Connection, Engine, NullPool, create_engine, event
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
-
-from slam.errors import DatabaseError, MapBusyError
+from sqlalchemy.exc import OperationalError
 
 T = TypeVar("T")
 
@@ -107,21 +105,6 @@ def _driver(connection: Connection) -> sqlite3.Connection:
     return driver
 
 
-@contextmanager
-def refusing(path: Path, doing: str) -> Iterator[None]:
-    """Turn what goes wrong into one DatabaseError that says what was being done, to which file, and what would help."""
-    try:
-        yield
-    except DatabaseError as error:
-        raise type(error)(f"{path}: {doing} failed: {error}") from error
-    except (SQLAlchemyError, sqlite3.Error) as error:
-        text = str(getattr(error, "orig", None) or error).splitlines()[0]
-        kind = MapBusyError if "locked" in text else DatabaseError
-        raise kind(f"{path}: {doing} failed: {text}{_advice(text)}") from error
-    except OSError as error:
-        raise DatabaseError(f"{path}: {doing} failed: {error.strerror or error}") from error
-
-
 def _persist(attempt: Callable[[], T], seconds: float) -> T:
     """Try again for some seconds what other connections prevent for moments and SQLite itself does not wait for."""
     end = time.monotonic() + seconds
@@ -170,18 +153,3 @@ def _is_write_ahead(path: Path) -> bool:
     # all locks that the process has on it.
     with path.open("rb") as file:
         return file.read(20)[18:] == b"\2\2"
-
-
-_ADVICE = (
-    ("disk is full", "; nothing of it was written: free some space"),
-    ("malformed", "; the file is damaged or cut off: copy it again, or repair it with `sqlite3 FILE .recover`"),
-    ("not a database", "; a map file of RTAB-Map or slamdeck is needed"),
-    ("readonly", "; the file and its folder must be writable"),
-    ("unable to open", "; the file and its folder must be accessible"),
-    ("locked", "; another program holds the file: close it first"),
-    ("no such", "; the file does not have the tables of its version: it is damaged or not a map"),
-)
-
-
-def _advice(text: str) -> str:
-    return next((advice for mark, advice in _ADVICE if mark in text), "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,16 @@ def _rows(node_id: int, items: Features, word_ids: NDArray[np.int32]) -> list[tu
     )
 
 
+def rename_words(connection: Connection, renamed: Mapping[int, Mapping[int, int]]) -> None:
+    """Give key points of older nodes (id -> old word -> new one) the words that they became, as RTAB-Map does."""
+    for node_id, words in renamed.items():
+        # By row number: a search for each word would read all key points of the node each time, and could rename twice.
+        query = select(text("rowid"), feature.c.word_id).where(feature.c.node_id == node_id)
+        rows = [(words[word], row) for row, word in connection.execute(query) if word in words]
+        if rows:
+            connection.exec_driver_sql("UPDATE Feature SET word_id = ? WHERE rowid = ?", rows)
+
+
 def read_features(connection: Connection, node_id: int) -> tuple[Features, NDArray[np.int32]]:
     """Key points of a node and their word ids, in the order they were written; empty when it has none."""
     columns = [c for c in feature.c if c.name != "node_id"]
@@ -98,4 +109,5 @@ def read_descriptors(owner: int, widths: tuple[int | None, ...], raw: tuple[byte
 
 
 def _float32(values: tuple[float | None, ...]) -> NDArray[np.float32]:
-    return np.array(values, dtype=np.float64).astype(np.float32)
+    with np.errstate(over="ignore"):
+        return np.array(values, dtype=np.float64).astype(np.float32)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from sqlalchemy import Connection, select
 
-from slam.database.blobs import pack_pose, unpack_pose
+from slam.database.blobs import pack_pose, unpack_poses
 from slam.database.deck_tables import frame
 from slam.database.insertion import insert_rows
 from slam.types import TrackedFrame
@@ -35,16 +35,19 @@ def insert_frames(connection: Connection, map_id: int, frames: Iterable[TrackedF
 
 def read_frames(connection: Connection) -> list[TrackedFrame]:
     """All tracked frames, in the order of time."""
+    rows = connection.execute(select(frame).order_by(frame.c.id)).all()
+    T_node_base = unpack_poses([row.T_node_base for row in rows])
+    T_world_base = unpack_poses([row.T_world_base for row in rows])
     return [
         TrackedFrame(
             index=row.frame_index,
             stamp=row.stamp,
             node_id=row.node_id,
-            T_node_base=unpack_pose(row.T_node_base),
-            T_world_base=unpack_pose(row.T_world_base),
+            T_node_base=T_node,
+            T_world_base=T_world,
             inliers=row.inliers,
             odometry_ms=row.odometry_ms,
             lost=row.lost,
         )
-        for row in connection.execute(select(frame).order_by(frame.c.id))
+        for row, T_node, T_world in zip(rows, T_node_base, T_world_base, strict=True)
     ]

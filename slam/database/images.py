@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.database.depth_codec import MAGIC, decode_rvl, encode_rvl
+from slam.database.depth_codec import MAGIC, MAX_PIXELS, decode_rvl, encode_rvl
+from slam.database.image_size import claimed_pixels
 from slam.errors import DatabaseError
 
 JPEG_QUALITY = 95
@@ -72,6 +73,10 @@ def _encoded(extension: str, image: NDArray[np.integer], options: list[int]) -> 
 
 
 def _decoded(blob: bytes, flags: int, kind: str) -> NDArray[np.generic]:
+    if claimed_pixels(blob) > MAX_PIXELS:
+        raise DatabaseError(
+            f"{kind} image claims {claimed_pixels(blob)} pixels, more than any camera has: it is damaged"
+        )
     try:
         image = cv2.imdecode(np.frombuffer(blob, dtype=np.uint8), flags) if blob else None
     except cv2.error as error:

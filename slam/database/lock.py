@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
 from slam.errors import DatabaseError, MapBusyError
+
+
+@contextmanager
+def locked(map_path: Path) -> Iterator[MapLock]:
+    """The lock of a map file for as long as its holder likes; it is freed here only when what follows fails."""
+    lock = MapLock(map_path)
+    try:
+        yield lock
+    except BaseException:
+        lock.release()
+        raise
 
 
 class MapLock:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sqlalchemy import NullPool, create_engine
 
-from slam.database.connection import refusing
+from slam.database.refusal import refusing
 from slam.database.schema import create_schema
 from slam.errors import DatabaseError
 
@@ -24,17 +24,24 @@ def create_file(path: Path) -> None:
     unfinished = path.with_name(path.name + ".new")
     with refusing(path, "creating the map"):
         # A log left over from a deleted file of this name would be taken for the new file's own.
-        for leftover in (
-            unfinished,
-            *(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal", ".new-journal")),
-        ):
-            leftover.unlink(missing_ok=True)
-        _fill(unfinished)
-        unfinished.rename(path)
+        _remove(unfinished, *(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")))
+        try:
+            _fill(unfinished)
+            unfinished.rename(path)
+        except BaseException:
+            _remove(unfinished)
+            raise
+
+
+def _remove(*paths: Path) -> None:
+    for path in paths:
+        path.unlink(missing_ok=True)
 
 
 def _fill(path: Path) -> None:
     engine = create_engine("sqlite://", creator=lambda: sqlite3.connect(path), poolclass=NullPool)
     with closing(engine.connect()) as connection:
+        # Until it has its name nobody needs the file: without a journal nothing but the file itself can be left over.
+        connection.exec_driver_sql("PRAGMA journal_mode=OFF")
         create_schema(connection)
         connection.commit()

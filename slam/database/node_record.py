@@ -11,7 +11,7 @@ from sqlalchemy import Connection
 from slam.database.admin_rows import write_grid, write_poses
 from slam.database.candidate_rows import insert_candidates
 from slam.database.data_rows import EncodedData, insert_data
-from slam.database.feature_rows import insert_features
+from slam.database.feature_rows import insert_features, rename_words
 from slam.database.frame_rows import insert_frames
 from slam.database.link_rows import insert_link, merged_marker, remove_link
 from slam.database.node_rows import first_label, insert_node, read_node_ids, update_weights
@@ -60,6 +60,11 @@ class KnownIds:
             raise DatabaseError(
                 f"node {node_id} refers to {len(missing)} words that are not in the dictionary, first {min(missing)}"
             )
+        unknown = {new for words in record.renamed_words.values() for new in words.values()} - self.words - new_words
+        if unknown:
+            raise DatabaseError(
+                f"words of older nodes can't become {min(unknown)} with node {node_id}: it is not in the dictionary"
+            )
         for link in record.links:
             self.check_link(link, node_id)
 
@@ -85,6 +90,7 @@ def insert_record(connection: Connection, record: NodeRecord, encoded: EncodedDa
     insert_data(connection, node_id, encoded, record.grid)
     insert_words(connection, record.words)
     insert_features(connection, node)
+    rename_words(connection, record.renamed_words)
     if early:
         keep_in_memory(connection, memory_stamp, [node_id], record.words.ids.tolist())
     _write_links(connection, record)

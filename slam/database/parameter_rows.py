@@ -7,8 +7,8 @@ import time
 from sqlalchemy import Connection, insert, select
 
 from slam.database.deck_tables import parameter_change
+from slam.database.deck_values import ParameterChange
 from slam.database.parameter_text import parse_parameters
-from slam.database.rows import ParameterChange
 from slam.database.tables import info
 
 

@@ -9,31 +9,17 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection
 
 from slam.camera import Camera
-from slam.database import admin_rows, data_rows, node_rows, statistics_rows, update_rows
-from slam.database.candidate_rows import read_candidates
-from slam.database.connection import reading, reading_engine, refusing
+from slam.database import admin_rows, data_rows, node_rows, statistics_rows
+from slam.database.deck_reader import DeckReader
 from slam.database.feature_rows import read_features
-from slam.database.file_check import check_file, check_version
-from slam.database.frame_rows import read_frames
 from slam.database.images import decode_color, decode_depth
 from slam.database.info import read_info
-from slam.database.journal_rows import read_journal
 from slam.database.link_rows import read_links
-from slam.database.parameter_rows import read_parameter_changes, read_parameters
-from slam.database.records import JournalEntry, WordRows
-from slam.database.rows import (
-    CandidateRow,
-    MapInfo,
-    NodeRow,
-    NodeTable,
-    ParameterChange,
-    SessionRow,
-    StatisticsTable,
-    UpdateRow,
-)
+from slam.database.parameter_rows import read_parameters
+from slam.database.records import WordRows
+from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
 from slam.database.schema import has_deck_tables
 from slam.database.session_rows import read_sessions
 from slam.database.tables import data
@@ -41,29 +27,22 @@ from slam.database.time_enter import read_memory_ids
 from slam.database.word_rows import read_words
 from slam.errors import DatabaseError
 from slam.geometry import Pose
-from slam.types import Features, Link, LocalGrid, OccupancyGrid, Posterior, TrackedFrame
+from slam.types import Features, Link, LocalGrid, OccupancyGrid
 
 _KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration}
 
 
-class MapReader:
+class MapReader(DeckReader):
     """Reads a map file of slamdeck or of RTAB-Map 0.18 to 0.23.
 
     Each call opens and closes its own connection: calls may come from any thread, each sees the last commit of a writer
-    that is at work, and neither the file nor its folder is changed. What slamdeck alone records (updates, candidates,
+    that is at work, and the file is not changed. What slamdeck alone records (updates, candidates,
     frames, decisions) is empty for files that RTAB-Map wrote. Poses are (4, 4), lengths metres, stamps seconds.
 
     Raises (also every method):
         DatabaseError: the file is missing, not a map, of a version that is not known, damaged; or a node asked for, or
             the data of it, does not exist.
     """
-
-    def __init__(self, path: Path) -> None:
-        check_file(path)
-        self.path = path
-        self._engine = reading_engine(path)
-        with self._reading("opening") as connection:
-            check_version(admin_rows.read_version(connection))
 
     def info(self, *, sizes: bool = True) -> MapInfo:
         """Summary of the map; without ``sizes`` (bytes by kind) it is fast for any size of map."""
@@ -109,11 +88,6 @@ class MapReader:
         """The global grid; None when none is stored."""
         with self._reading("reading the grid") as connection:
             return admin_rows.read_grid(connection)
-
-    def trajectory(self) -> list[TrackedFrame]:
-        """All tracked frames in the order of time."""
-        with self._deck("reading the trajectory") as connection:
-            return read_frames(connection) if connection else []
 
     def image(self, node_id: int) -> bytes:
         """The colour image as stored (JPEG or PNG)."""
@@ -182,60 +156,15 @@ class MapReader:
         with self._reading("reading the working memory") as connection:
             return read_memory_ids(connection)
 
-    def updates(self, after: int = 0) -> list[UpdateRow]:
-        """The updates after a node, ascending."""
-        with self._deck("reading the updates") as connection:
-            return update_rows.read_updates(connection, after) if connection else []
-
-    def hypotheses(self, update_id: int) -> Posterior | None:
-        """The best places of an update's belief and the virtual place; None where it had none."""
-        with self._deck(f"reading the hypotheses of update {update_id}") as connection:
-            return update_rows.read_belief(connection, update_id) if connection else None
-
-    def candidates(self, after: int = 0) -> list[CandidateRow]:
-        """The loop closures that were looked at, after a candidate's number, ascending."""
-        with self._deck("reading the candidates") as connection:
-            return read_candidates(connection, after) if connection else []
-
-    def journal(self) -> list[JournalEntry]:
-        """People's decisions, oldest first."""
-        with self._deck("reading the journal") as connection:
-            return read_journal(connection) if connection else []
-
     def parameters(self) -> dict[str, str]:
         """Parameters of the newest session, as text by name."""
         with self._reading("reading the parameters") as connection:
             return read_parameters(connection)
 
-    def parameter_changes(self) -> list[ParameterChange]:
-        """Parameters changed while an engine ran, oldest first."""
-        with self._deck("reading the parameter changes") as connection:
-            return read_parameter_changes(connection) if connection else []
-
     def sessions(self) -> list[SessionRow]:
         """All sessions by number."""
         with self._reading("reading the sessions") as connection:
             return read_sessions(connection, deck=has_deck_tables(connection))
-
-    @contextmanager
-    def _reading(self, doing: str) -> Iterator[Connection]:
-        check_file(self.path)
-        with refusing(self.path, doing), _making_sense(), reading(self._engine) as connection:
-            yield connection
-
-    @contextmanager
-    def _deck(self, doing: str) -> Iterator[Connection | None]:
-        with self._reading(doing) as connection:
-            yield connection if has_deck_tables(connection) else None
-
-
-@contextmanager
-def _making_sense() -> Iterator[None]:
-    """SQLite keeps anything in any column: what is not of the column's kind can't be understood."""
-    try:
-        yield
-    except (ValueError, TypeError, OverflowError) as error:
-        raise DatabaseError(f"a value is not of the kind that its column has: {error}; the file is damaged") from error
 
 
 @contextmanager

@@ -39,6 +39,7 @@ class NodeRecord:
         links: new links of this and older nodes, each once; stored in both directions.
         removed_links: pairs of ids whose link goes.
         words: new words of the dictionary.
+        renamed_words: node id -> old word -> new one, of older nodes whose words became others that look alike.
         grid: local grid of the node.
         statistics: RTAB-Map's names and values.
         wm_ids: ids in short-term and working memory, None when they are not kept.
@@ -57,6 +58,7 @@ class NodeRecord:
     links: tuple[Link, ...] = ()
     removed_links: tuple[tuple[int, int], ...] = ()
     words: WordRows = field(default_factory=WordRows.none)
+    renamed_words: Mapping[int, Mapping[int, int]] = field(default_factory=dict)
     grid: LocalGrid | None = None
     statistics: Mapping[str, float] = field(default_factory=dict)
     wm_ids: tuple[int, ...] | None = None

@@ -10,8 +10,8 @@ from sqlalchemy import Connection, insert, select
 
 from slam.database.blobs import pack_pose, unpack_pose
 from slam.database.deck_tables import hypothesis, update
+from slam.database.deck_values import UpdateRow
 from slam.database.insertion import insert_rows
-from slam.database.rows import UpdateRow
 from slam.types import Posterior, Tier, Update
 
 #: Places kept of each belief: the most probable ones. The virtual place comes on top, under this id.

@@ -11,19 +11,19 @@ from typing import Self
 from sqlalchemy import Connection
 
 from slam.database import admin_rows, node_record, session_rows, time_enter
-from slam.database.connection import close_plainly, open_for_writing, refusing
+from slam.database.connection import close_plainly, open_for_writing
 from slam.database.data_rows import EncodedData
+from slam.database.decision import write_decision
 from slam.database.file_check import check_file, check_version
 from slam.database.frame_rows import insert_frames
-from slam.database.journal_rows import append_entry
-from slam.database.link_rows import insert_link, remove_link
-from slam.database.lock import MapLock
+from slam.database.lock import MapLock, locked
 from slam.database.new_file import create_file
 from slam.database.node_record import KnownIds
 from slam.database.node_rows import update_weights
 from slam.database.parameter_rows import insert_parameter_change
 from slam.database.parameter_text import params_text
 from slam.database.records import JournalEntry, NodeRecord
+from slam.database.refusal import refusing
 from slam.database.schema import add_deck_tables
 from slam.errors import DatabaseError
 from slam.geometry import Pose
@@ -63,7 +63,7 @@ class MapWriter:
         """
         if not path.parent.is_dir():
             raise DatabaseError(f"{path} can't be made: the folder {path.parent} does not exist")
-        with _locked(path) as lock:
+        with locked(path) as lock:
             create_file(path)
             writer = cls(path, lock)
             writer.start_session(params, seed=seed, source=source)
@@ -78,7 +78,7 @@ class MapWriter:
             MapBusyError: another writer holds it.
         """
         check_file(path)
-        with _locked(path) as lock:
+        with locked(path) as lock:
             return cls(path, lock)
 
     @property
@@ -95,6 +95,7 @@ class MapWriter:
             if self._map_id is None:
                 self._memory_stamp = time_enter.begin_memory(connection, text)
             session_rows.end_sessions(connection, clean=True)
+            admin_rows.forget_dictionary_index(connection)
             map_id = session_rows.insert_session(connection, text, seed, source)
         self._params, self._map_id = params, map_id
         return map_id
@@ -151,13 +152,7 @@ class MapWriter:
             DatabaseError: a link to remove is not there, or one to add is, or nothing is left to take back.
         """
         with self._transaction(f"deciding about link {entry.from_id}-{entry.to_id}") as connection:
-            number = append_entry(connection, entry)
-            _change_links(connection, self._known, add, remove)
-            if poses:
-                admin_rows.write_poses(connection, poses, None)
-            if add or remove:
-                admin_rows.clear_derived(connection)
-        return number
+            return write_decision(connection, self._known, entry, add, remove, poses)
 
     def parameter_change(self, node_id: int, name: str, value: Value) -> None:
         """Log that a parameter has another value from node ``node_id`` on.
@@ -219,24 +214,3 @@ def _prepare(connection: Connection) -> KnownIds:
         add_deck_tables(connection)
         session_rows.heal_sessions(connection)
         return KnownIds.read(connection)
-
-
-def _change_links(
-    connection: Connection, known: KnownIds, add: Sequence[Link], remove: Sequence[tuple[int, int]]
-) -> None:
-    for from_id, to_id in remove:
-        remove_link(connection, from_id, to_id)
-    for link in add:
-        known.check_link(link)
-        insert_link(connection, link)
-
-
-@contextmanager
-def _locked(path: Path) -> Iterator[MapLock]:
-    """The lock, freed again when what follows fails."""
-    lock = MapLock(path)
-    try:
-        yield lock
-    except BaseException:
-        lock.release()
-        raise

@@ -44,9 +44,10 @@ def spread(
     pixels: NDArray[np.int32], order: NDArray[np.int64], shape: tuple[int, int], min_distance: float, limit: int
 ) -> NDArray[np.int64]:
     """Rows of ``pixels``, strongest first by ``order``, that keep ``min_distance`` pixels from each other."""
+    # A square cell of this side has room for three such pixels, not for four.
     cell = max(1, int(min_distance))
     rows, cols = shape[0] // cell + 1, shape[1] // cell + 1
-    taken = np.full((rows, cols, 2), -1, np.int64)
+    taken = np.full((rows, cols, 3), -1, np.int64)
     chosen = np.empty(limit, np.int64)
     count = 0
     for row in order:
@@ -55,7 +56,7 @@ def spread(
         free = True
         for ny in range(max(0, cy - 1), min(rows, cy + 2)):
             for nx in range(max(0, cx - 1), min(cols, cx + 2)):
-                for k in range(2):
+                for k in range(3):
                     other = taken[ny, nx, k]
                     if other >= 0:
                         dx, dy = pixels[other, 0] - x, pixels[other, 1] - y
@@ -63,7 +64,10 @@ def spread(
                             free = False
         if not free:
             continue
-        taken[cy, cx, 0 if taken[cy, cx, 0] < 0 else 1] = row
+        for k in range(3):
+            if taken[cy, cx, k] < 0:
+                taken[cy, cx, k] = row
+                break
         chosen[count] = row
         count += 1
         if count == limit:

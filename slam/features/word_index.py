@@ -61,14 +61,11 @@ class WordIndex:
         )
         return np.asarray(rows)
 
-    def append(self, descriptors: Words) -> Ints:
-        """Rows of these words, taken in as they are."""
+    def append(self, descriptors: Words) -> None:
+        """Takes in these words as they are, in the next rows."""
         self._reserve(self.count + len(descriptors))
-        rows = np.arange(self.count, self.count + len(descriptors), dtype=np.int32)
-        for row, descriptor in zip(rows.tolist(), descriptors, strict=True):
-            _insert(descriptor, row, self.descriptors, self.alive, self._next, self._heads, self._bits)
+        _insert_all(descriptors, self.count, self.descriptors, self.alive, self._next, self._heads, self._bits)
         self.count += len(descriptors)
-        return rows
 
     def compact(self) -> Ints:
         """Lets the dead rows go; returns the old row of each new one."""
@@ -110,6 +107,14 @@ def _insert(
         key = _key(descriptor, bits[table])
         chain[table, row] = heads[table, key]
         heads[table, key] = row
+
+
+@njit(cache=True)
+def _insert_all(
+    descriptors: Words, first: int, words: Words, alive: NDArray[np.bool_], chain: Ints, heads: Ints, bits: Ints
+) -> None:
+    for k in range(len(descriptors)):
+        _insert(descriptors[k], first + k, words, alive, chain, heads, bits)
 
 
 @njit(cache=True)

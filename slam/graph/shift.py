@@ -52,7 +52,7 @@ class Snapshot:
 
     def poses(self) -> dict[int, Pose]:
         """The poses kept."""
-        return dict(zip(self.ids, self.T_map_base.copy(), strict=True))
+        return dict(zip(self.ids, self.T_map_base, strict=True))
 
 
 def angles(T: Array) -> Array:

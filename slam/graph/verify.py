@@ -16,6 +16,8 @@ from slam.params import Params
 from slam.types import UNKNOWN_VARIANCE, Link, Refusal
 
 _TEST = "RGBD/OptimizeMaxError"
+#: A strained link that grows by less than this factor is no worse than it was.
+_NO_WORSE = 1.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,47 +100,74 @@ def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
     return np.column_stack([metres * weight[:, 0], metres, radians * weight[:, 1], radians])
 
 
+def residual_sigmas(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
+    """Residuals (N,) of links in sigmas, the larger of linear and angular."""
+    return residual_ratios(links, poses)[:, [0, 2]].max(axis=1) if links else np.zeros(0)
+
+
 def max_error(graph: PoseGraph, poses: Mapping[int, Pose]) -> WorstLink:
     """The worst link of a graph at these poses; links to nodes without one of them are left out."""
     links = [graph.links[pair] for pair in sorted(graph.links) if pair[0] in poses and pair[1] in poses]
-    if not links:
-        return WorstLink()
-    ratios = residual_ratios(links, poses)
-    i, k = int(np.argmax(ratios[:, 0])), int(np.argmax(ratios[:, 2]))
-    linear, metres = ratios[i, :2]
-    angular, radians = ratios[k, 2:]
-    return WorstLink(float(linear), float(metres), links[i], float(angular), float(radians), links[k])
+    return _worst(links, residual_ratios(links, poses)) if links else WorstLink()
 
 
 def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params) -> Closure:
     """Add loop links, optimise, and keep both links and poses only if no link is worse than ``RGBD/OptimizeMaxError``.
 
-    When two sessions meet in a candidate, the younger one is first moved there as one rigid piece. When the links are
-    refused, or an error is raised, the graph is as it was.
+    A link that was worse than that before, say because somebody approved it, is held against the candidates only when
+    they make it worse still; otherwise one such link would keep all later loops out. When two sessions meet in a
+    candidate, the younger one is first moved there as one rigid piece. When the candidates are refused, or an error
+    is raised, the graph is as it was.
 
     Raises:
         OptimizationError: no candidate, a candidate that doesn't fit the graph, or no solution.
     """
     if not candidates:
         raise OptimizationError("no loop link to add: close_loops needs at least one")
-    poses, added = graph.poses, []
+    poses, added = graph.poses, list[Link]()
     try:
         graph.poses = dict(poses)
         for link in candidates:
             join(graph, link)
             added.append(link)
         optimized = optimize(graph, params, root=choose_root(graph, params, candidates[0].from_id))
-        worst = max_error(graph, optimized.poses)
     except OptimizationError:
         _take_back(graph, added, poses)
         raise
-    limit = params.RGBD.OptimizeMaxError
-    if limit > 0 and worst.ratio > limit:
+    worst, refusal = _judge(graph, optimized.poses, poses, candidates, params)
+    if refusal is not None:
         _take_back(graph, added, poses)
-        text = f"{worst.text}, more than {_TEST} {limit:g} allows"
-        return Closure(False, optimized, worst, Refusal(_TEST, worst.ratio, limit, text))
+        return Closure(False, optimized, worst, refusal)
     graph.poses = optimized.poses
     return Closure(True, optimized, worst)
+
+
+def _judge(
+    graph: PoseGraph, optimized: Mapping[int, Pose], before: Mapping[int, Pose], new: Sequence[Link], params: Params
+) -> tuple[WorstLink, Refusal | None]:
+    """The worst link of all, and the refusal where one that counts is worse than allowed."""
+    limit, links = params.RGBD.OptimizeMaxError, [graph.links[pair] for pair in sorted(graph.links)]
+    ratios = residual_ratios(links, optimized)
+    worst = _worst(links, ratios)
+    if limit <= 0 or worst.ratio <= limit:
+        return worst, None
+    # A new link was never better; that of an old one counts where it got worse.
+    was, pairs = residual_sigmas(links, before), {link.pair for link in new}
+    allowed = np.array([0.0 if link.pair in pairs else _NO_WORSE * w for link, w in zip(links, was, strict=True)])
+    counts = np.flatnonzero(ratios[:, [0, 2]].max(axis=1) > np.maximum(allowed, limit))
+    if not len(counts):
+        return worst, None
+    judged = _worst([links[k] for k in counts], ratios[counts])
+    text = f"{judged.text}, more than {_TEST} {limit:g} allows"
+    return worst, Refusal(_TEST, judged.ratio, limit, text)
+
+
+def _worst(links: Sequence[Link], ratios: Array) -> WorstLink:
+    if not links:
+        return WorstLink()
+    i, k = int(np.argmax(ratios[:, 0])), int(np.argmax(ratios[:, 2]))
+    (linear, metres), (angular, radians) = ratios[i, :2], ratios[k, 2:]
+    return WorstLink(float(linear), float(metres), links[i], float(angular), float(radians), links[k])
 
 
 def join(graph: PoseGraph, link: Link) -> None:

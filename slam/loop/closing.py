@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from slam.errors import OptimizationError
 from slam.graph.graph import PoseGraph
 from slam.graph.verify import Closure, close_loops
 from slam.params import Params
-from slam.types import Candidate, Link
+from slam.types import Candidate, Link, Refusal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,14 +34,34 @@ def close(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> 
     agreed = [candidate for candidate in candidates if candidate.refusal is None]
     if not agreed:
         return Closed(tuple(candidates))
-    closure = close_loops(graph, [_link(candidate) for candidate in agreed], params)
-    if closure.accepted or len(agreed) == 1:
-        verdicts = {id(candidate): closure for candidate in agreed}
+    together = _try(graph, agreed, params)
+    if together.accepted or len(agreed) == 1:
+        verdicts = {id(candidate): together for candidate in agreed}
     else:
-        verdicts = {id(candidate): close_loops(graph, [_link(candidate)], params) for candidate in agreed}
+        verdicts = {id(candidate): _try(graph, [candidate], params) for candidate in agreed}
     judged = tuple(replace(c, refusal=verdicts[id(c)].refusal) if id(c) in verdicts else c for c in candidates)
     links = tuple(_link(c) for c in judged if c.refusal is None)
-    return Closed(judged, links, list(verdicts.values())[-1])
+    return Closed(judged, links, list(verdicts.values())[-1].closure)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Verdict:
+    """What the graph says of some candidates; the closure is None when it could not even be solved."""
+
+    closure: Closure | None
+    refusal: Refusal | None
+
+    @property
+    def accepted(self) -> bool:
+        return self.refusal is None
+
+
+def _try(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> _Verdict:
+    try:
+        closure = close_loops(graph, [_link(candidate) for candidate in candidates], params)
+    except OptimizationError as error:
+        return _Verdict(None, Refusal("optimization", float("nan"), float("nan"), str(error)))
+    return _Verdict(closure, closure.refusal)
 
 
 def _link(candidate: Candidate) -> Link:

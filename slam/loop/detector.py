@@ -71,7 +71,9 @@ class LoopDetector:
         """Registers the node with the place believed in and with what is near by."""
         found: list[Candidate] = []
         with clock.stage("Timing/Hypotheses_validation/ms"):
-            if belief.place and belief.posterior is not None:
+            # Odometry has joined them already when the last node is in working memory (Mem/STMSize 1).
+            joined = belief.place in graph.neighbors(node.id)
+            if belief.place and belief.posterior is not None and not joined:
                 old = memory.nodes[belief.place]
                 found.append(verify(node, old, LinkType.GLOBAL_CLOSURE, belief.posterior.value, params))
         if not params.RGBD.ProximityBySpace:

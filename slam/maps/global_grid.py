@@ -70,7 +70,11 @@ class GlobalGrid:
         return True
 
     def occupancy(self) -> OccupancyGrid | None:
-        """The grid cropped to what is known, None when nothing is; a cell of log odds 0 is unknown, as in RTAB-Map."""
+        """The grid cropped to what is known, None when nothing is.
+
+        A cell of log odds 0 is unknown, as in RTAB-Map. Turned local grids leave out single cells; such a gap between
+        free cells is free.
+        """
         rows, columns = np.nonzero(self._last.any(axis=1))[0], np.nonzero(self._last.any(axis=0))[0]
         if not len(rows):
             return None
@@ -80,7 +84,7 @@ class GlobalGrid:
         cells = np.where(odds == 0, -1, np.where(occupied, 100, 0)).astype(np.int8)
         size = self.params.Grid.CellSize
         x_min, y_min = (self._origin[0] + columns[0]) * size, (self._origin[1] + rows[0]) * size
-        return OccupancyGrid(cells, float(x_min), float(y_min), size)
+        return OccupancyGrid(_without_gaps(cells), float(x_min), float(y_min), size)
 
     def _clear(self) -> None:
         self._odds: NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)
@@ -122,6 +126,14 @@ class GlobalGrid:
             odds[row : row + rows, column : column + columns] = self._odds
             last[row : row + rows, column : column + columns] = self._last
         self._odds, self._last, self._origin = odds, last, (low[0], low[1])
+
+
+def _without_gaps(cells: NDArray[np.int8]) -> NDArray[np.int8]:
+    """Cells with the unknown ones free that have three free neighbours of four and no occupied one."""
+    around = np.pad(cells, 1, constant_values=-1)
+    neighbors = np.stack([around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]])
+    gap = (cells == -1) & ((neighbors == 0).sum(axis=0) >= 3) & (neighbors != 100).all(axis=0)
+    return np.where(gap, 0, cells).astype(np.int8)
 
 
 def _log_odds(probability: float) -> float:

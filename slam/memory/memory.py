@@ -41,6 +41,7 @@ class Memory:
         self._long_term = long_term
         self._outlines: dict[int, Node] = {}
         self._moved: dict[int, Tier] = {}
+        self._renamed: dict[int, dict[int, int]] = {}
         self._entries = 0
 
     def quantize(self, features: Features, params: Params) -> tuple[NDArray[np.int32], WordRows]:
@@ -81,8 +82,11 @@ class Memory:
         found = [node_id for node_id in ids if node_id in self.ltm]
         for node_id in found:
             node, words = self._long_term.load(self._outlines.pop(node_id))
-            renamed = self.dictionary.restore(words.ids, words.descriptors, params)
-            word_ids = np.array([renamed.get(w, w) for w in node.word_ids.tolist()], np.int32)
+            in_ram = self.dictionary.restore(words.ids, words.descriptors, params)
+            word_ids = np.array([in_ram.get(w, w) for w in node.word_ids.tolist()], np.int32)
+            renamed = {old: new for old, new in in_ram.items() if old != new}
+            if renamed:
+                self._renamed[node_id] = renamed
             self._admit(replace(node, word_ids=word_ids, weight=self.weights[node_id]))
             self.ltm.remove(node_id)
             self._enter_wm(node_id)
@@ -98,6 +102,11 @@ class Memory:
         """Tiers that changed since this was last asked."""
         moved, self._moved = self._moved, {}
         return moved
+
+    def take_renamed(self) -> dict[int, dict[int, int]]:
+        """Node -> old word -> word in RAM, of nodes that came back since this was last asked."""
+        renamed, self._renamed = self._renamed, {}
+        return renamed
 
     def _admit(self, node: Node) -> None:
         self.nodes[node.id] = node

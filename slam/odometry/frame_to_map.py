@@ -31,6 +31,7 @@ class FrameToMap:
         self._T_odom_base: Pose = np.eye(4)
         self._motion: Pose = np.eye(4)
         self._frame = 0
+        self._begun = False
         self._lost_frames = 0
 
     def track(self, frame: Frame, params: Params) -> Odometry:
@@ -56,9 +57,10 @@ class FrameToMap:
         with_depth = int(np.isfinite(features.points_base[:, 0]).sum())
         if with_depth < params.Vis.MinInliers:
             return self._refused("features with depth", with_depth, 0, 0, features, params, start)
-        if self._frame == 1 and frame.T_gravity_base is not None:
+        if not self._begun and frame.T_gravity_base is not None:
             # Level from the start: the map's z points up, as grids and views expect.
             self._T_odom_base = frame.T_gravity_base
+        self._begun = True
         rows = np.zeros(0, np.int32)
         self._map.add_keyframe(self._T_odom_base, features, rows, rows, frame.camera, frame=self._frame, params=params)
         covariance = np.eye(6) * UNKNOWN_VARIANCE

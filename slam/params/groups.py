@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from slam.params.registry import Effect, Group, param
 
@@ -90,6 +90,18 @@ class BayesGroup(Group):
         _PREDICTION, "Transition: virtual place, same place, then graph distance 1, 2, ...", effect=_SESSION
     )
     VirtualPlacePriorThr: float = param(0.9, "Probability that a new place is followed by a new place.", ge=0, le=1)
+
+    @field_validator("PredictionLC")
+    @classmethod
+    def _is_transition(cls, text: str) -> str:
+        right = "two or more numbers from 0 to 1 with spaces between, the first below 1, the others not all 0"
+        try:
+            virtual, *places = [float(word) for word in text.split()]
+        except ValueError as error:
+            raise ValueError(right) from error
+        if not all(0 <= value <= 1 for value in (virtual, *places)) or virtual == 1 or sum(places) == 0:
+            raise ValueError(right)
+        return text
 
 
 class RGBDGroup(Group):

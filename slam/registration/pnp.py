@@ -10,13 +10,15 @@ from slam.camera import Camera
 from slam.geometry import Pose, inverse, make, transform
 from slam.params import Params
 from slam.registration.pose import refine_pose
-from slam.types import UNKNOWN_VARIANCE
 
 Array = NDArray[np.float64]
 #: A first guess that explains this share of the matches makes RANSAC needless.
 _GUESS_SUFFICES = 0.5
 #: Converts a squared median deviation to a variance (1.4826 squared, Rousseeuw and Croux 1993).
 _MEDIAN_TO_VARIANCE = 2.1981
+#: With fewer depths than this the view's own points are guessed, by lengthening their rays from the other's.
+_LEAST_DEPTHS = 4
+_GUESSED_DEPTH = 1.1
 _LINEAR_FLOOR = 1e-8
 _ANGULAR_FLOOR = 3e-8
 
@@ -87,15 +89,16 @@ def spread_covariance(
     The linear variance is the n/``Vis/PnPVarianceMedianRatio``-th smallest squared distance, the angular one the
     same of the squared angle between both rays from the camera; each times 2.1981. (RTAB-Map takes the angle itself,
     not its square.) A turn and a sidestep look alike at the depth of the scene, so that the angular sigma is at least
-    the linear one over the median depth.
+    the linear one over the median depth. A view without depth is taken to be a tenth of it wrong, as RTAB-Map does.
     """
     T_cam_ref = inverse(T_ref_base @ camera.T_base_cam)
     expected = transform(T_cam_ref, points_ref)
     measured = transform(inverse(camera.T_base_cam), points_base)
     known = np.isfinite(measured[:, 2])
-    if known.sum() < 4:
-        return np.eye(6) * UNKNOWN_VARIANCE
-    expected, measured = expected[known], measured[known]
+    if known.sum() < _LEAST_DEPTHS:
+        measured = np.where(known[:, None], measured, _GUESSED_DEPTH * expected)
+    else:
+        expected, measured = expected[known], measured[known]
     squared = np.sum((expected - measured) ** 2, axis=1)
     cosine = np.sum(expected * measured, axis=1) / (np.linalg.norm(expected, axis=1) * np.linalg.norm(measured, axis=1))
     angles = np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -15,7 +15,7 @@ from slam.errors import OptimizationError
 from slam.geometry import Pose, between, inverse, se3_exp, to_euler_rpy
 from slam.graph import PoseGraph, optimize
 from slam.graph.g2o import read_edges, read_g2o
-from slam.graph.optimizer import chi2
+from slam.graph.optimizer import MAX_INFORMATION, MIN_INFORMATION, chi2
 from slam.params import Params
 from slam.types import Link, LinkType
 from tests.graphs import circles, stacked, truth
@@ -159,6 +159,23 @@ def test_wild_information_is_clamped_and_counted() -> None:
     result = optimize(graph, PARAMS)
     assert result.clamped == 1
     assert result.chi2_after < result.chi2_before
+
+
+@pytest.mark.parametrize(("eigenvalue", "counts_as"), [(1e12, MAX_INFORMATION), (0.0, MIN_INFORMATION), (50.0, 50.0)])
+def test_information_counts_up_to_its_bounds(eigenvalue: float, counts_as: float) -> None:
+    graph = circles(2, 0)
+    link = replace(graph.links[1, 2], information=np.diag([eigenvalue, 1.0, 1.0, 1.0, 1.0, 1.0]))
+    graph.poses[2] = graph.poses[2] @ se3_exp(np.array([0.1, 0, 0, 0, 0, 0]))
+    assert chi2([link], graph.poses) == pytest.approx(0.01 * counts_as, rel=1e-6)
+
+
+def test_rotations_of_single_precision_come_out_orthonormal() -> None:
+    graph = circles()
+    rounded = [replace(k, T_from_to=T.astype(np.float32).astype(np.float64)) for *_, k, T in ends(graph)]
+    single = copy(graph, rounded)
+    single.poses = {i: T.astype(np.float32).astype(np.float64) for i, T in graph.poses.items()}
+    R = stacked(optimize(single, PARAMS).poses)[1:, :3, :3]
+    assert np.allclose(R @ R.transpose(0, 2, 1), np.eye(3), atol=1e-12)
 
 
 def steep() -> PoseGraph:

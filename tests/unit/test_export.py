@@ -27,8 +27,8 @@ def test_tum_lines_are_stamp_position_and_quaternion(tmp_path: Path) -> None:
 
 def test_the_optical_frame_on_demand(tmp_path: Path) -> None:
     write_tum(tmp_path / "a.txt", STAMPS, POSES, T_BASE_OPTICAL)
-    row = np.loadtxt(tmp_path / "a.txt")[0]
-    assert np.allclose(from_quat_xyzw(row[4:], row[1:4]), T_BASE_OPTICAL, atol=1e-8)
+    for row, T_map_base in zip(np.loadtxt(tmp_path / "a.txt"), POSES, strict=True):
+        assert np.allclose(from_quat_xyzw(row[4:], row[1:4]), T_map_base @ T_BASE_OPTICAL, atol=1e-8)
 
 
 def test_kitti_lines_are_matrices(tmp_path: Path) -> None:
@@ -43,4 +43,9 @@ def test_what_can_not_be_written_is_refused_and_leaves_the_old_file(tmp_path: Pa
     with pytest.raises(DatabaseError, match="can't be written"):
         write_kitti(tmp_path / "nowhere" / "a.txt", POSES)
     assert (tmp_path / "a.txt").read_text() == "old"
+    assert [file.name for file in tmp_path.iterdir()] == ["a.txt"]
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(DatabaseError, match="folder: can't be written"):
+        write_kitti(tmp_path / "folder", POSES)
+    (tmp_path / "folder").rmdir()
     assert [file.name for file in tmp_path.iterdir()] == ["a.txt"]

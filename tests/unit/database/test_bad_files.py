@@ -7,12 +7,13 @@ import shutil
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from slam.database import MapReader, MapWriter
-from slam.database.connection import refusing
+from slam.database.refusal import refusing
 from slam.errors import DatabaseError, MapBusyError
 from slam.params import Params
 from tests.unit.database.map_records import record, write_map
@@ -131,24 +132,33 @@ def test_a_folder_that_is_missing_is_named(tmp_path: Path) -> None:
         MapWriter.create(tmp_path / "nowhere" / "map.db", Params(), seed=0, source="")
 
 
+def _read(call: Callable[[MapReader], object], path: Path) -> None:
+    call(MapReader(path))
+
+
+def _write(path: Path) -> None:
+    MapWriter.open(path).close()
+
+
 def test_a_damaged_file_gives_answers_or_one_error(tmp_path: Path) -> None:
-    """Random bytes of a map are changed; no call may raise anything but a DatabaseError that names the file."""
+    """Random bytes of a map are changed; nothing may be raised but a DatabaseError that names the file."""
     whole = write_map(tmp_path / "whole.db").read_bytes()
     path = tmp_path / "damaged.db"
     refused = 0
-    for seed in range(60):
+    for seed in range(40):
         chance = random.Random(seed)
         damaged = bytearray(whole)
         for _ in range(chance.choice([1, 20, 400])):
             damaged[chance.randrange(100, len(damaged))] = chance.randrange(256)
         path.write_bytes(damaged)
-        for call in CALLS:
+        uses: list[Callable[[Path], None]] = [*(partial(_read, call) for call in CALLS), _write]
+        for use in uses:
             try:
-                call(MapReader(path))
+                use(path)
             except DatabaseError as error:
                 refused += 1
                 assert str(path) in str(error)
-    assert refused > 100
+    assert refused > 70
 
 
 @pytest.mark.parametrize(
@@ -242,3 +252,13 @@ def test_a_copy_of_a_map_is_a_map(tmp_path: Path) -> None:
     copy = Path(shutil.copy(write_map(tmp_path / "map.db"), tmp_path / "a copy, with spaces % and #?.db"))
     assert len(MapReader(copy).nodes()) == 5
     MapWriter.open(copy).close()
+
+
+def test_a_map_that_can_t_be_made_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr("slam.database.new_file.create_schema", full)
+    with pytest.raises(DatabaseError, match=r"creating the map failed: database or disk is full; .*free some space"):
+        MapWriter.create(tmp_path / "map.db", Params(), seed=0, source="")
+    assert list(tmp_path.iterdir()) == []

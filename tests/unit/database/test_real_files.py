@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,7 @@ def test_every_file_can_be_read(shared_data: Path) -> None:
         assert sum(info.links.values()) == len(reader.links())
         assert info.words == len(reader.words())
         assert info.features == sum(len(reader.features(int(i))[1]) for i in reader.node_ids())
-        assert reader.journal() == reader.candidates() == reader.updates() == reader.trajectory() == []
+        assert [reader.journal(), reader.candidates(), reader.updates(), reader.trajectory()] == [[], [], [], []]
         assert reader.hypotheses(1) is None
         for i in reader.nodes_with("image"):
             assert reader.image_bgr(int(i)).shape[2] == 3
@@ -205,11 +206,15 @@ def test_a_file_of_rtabmap_can_be_corrected_and_continued(cpp: Path, tmp_path: P
     assert {link.pair for link in after.links()} == {link.pair for link in links} - {loop.pair}
     assert after.journal()[0].link_before is not None
     assert after.grid() is None
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("UPDATE Admin SET dictionary_index = x'01'")
+        connection.commit()
     with MapWriter.open(path) as writer:
         map_id = writer.start_session(Params(), seed=0, source="more")
         new_id = int(before.node_ids().max()) + 1
         writer.add_node(record(new_id, map_id=map_id, links=(), new_words=0, poses={}))
     assert map_id == 1
+    assert one(path, "SELECT dictionary_index FROM Admin") == [(None,)]
     nodes, words = MapReader(path).memory_ids()
     assert nodes.tolist() == [*memory[0].tolist(), new_id]
     assert words.tolist() == memory[1].tolist()

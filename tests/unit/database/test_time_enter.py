@@ -63,6 +63,8 @@ def test_odometry_that_begins_anew_keeps_the_memory(tmp_path: Path) -> None:
         writer.add_node(record(2, map_id=1, links=()))
         writer.close_session(ram_ids=[1, 2], ram_word_ids=[], params=Params())
     assert loaded(path)[0] == [1, 2]
+    with closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("SELECT COUNT(*) FROM Info").fetchone() == (2,)  # the beginning and the end
     assert [session.clean for session in MapReader(path).sessions()] == [True, True]
 
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from slam.errors import DatabaseError
-from slam.geometry import to_euler_rpy
+from slam.geometry import between, from_quat_xyzw, inverse, se3_log, to_euler_rpy
 from slam.graph.g2o import read_edges, read_g2o, write_g2o
 from slam.graph.graph import ascending
+from slam.graph.optimizer import chi2
 from slam.types import LinkType
 from tests.graphs import circles, stacked
 
@@ -53,6 +54,22 @@ def test_two_edges_of_a_pair_become_their_mean_whichever_way_they_point(tmp_path
     assert link.T_from_to is not None
     assert link.T_from_to[0, 3] == pytest.approx(2.0)
     assert link.information[0, 0] == pytest.approx(2.0)
+
+
+def test_an_edge_to_the_smaller_id_weighs_what_it_weighs_in_the_file(tmp_path: Path) -> None:
+    upper = "9 2 0 0 1 0 4 0 0 0 0 7 0 1 0 5 0 0 3 0 8"
+    file = tmp_path / "a.g2o"
+    vertices = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 5 1 2 3 0.1 0.2 0.3 0.9\n"
+    file.write_text(f"{vertices}EDGE_SE3:QUAT 5 0 -1 0.5 2 0.3 -0.2 0.1 0.9 {upper}\n")
+    graph = read_g2o(file)
+    T_5_0 = from_quat_xyzw(np.array([0.3, -0.2, 0.1, 0.9]), np.array([-1, 0.5, 2]))
+    residual = se3_log(inverse(T_5_0) @ between(graph.poses[5], graph.poses[0]))
+    information = np.zeros((6, 6))
+    information[np.triu_indices(6)] = [float(v) for v in upper.split()]
+    information += np.triu(information, 1).T
+    link = graph.links[0, 5]
+    assert (link.from_id, link.to_id) == (0, 5)
+    assert chi2([link], graph.poses) == pytest.approx(residual @ information @ residual, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -66,6 +66,19 @@ def test_zero_switches_the_test_off() -> None:
     assert closure.worst.ratio > 3
 
 
+def test_a_link_that_was_bad_before_keeps_no_good_loop_out_and_no_bad_one_in() -> None:
+    graph = circles(noise=0.3)
+    assert close_loops(graph, [moved(good(25, 5), 0.2, 0, 0, 0, 0, 0)], OFF).worst.ratio > 3
+    closure = close_loops(graph, [good()], PARAMS)
+    assert closure.accepted
+    assert closure.worst.ratio > 3, "it is still told"
+    before = state(graph)
+    assert not close_loops(graph, [moved(good(59, 19), 0.5, 0, 0, 0, 0, 0)], PARAMS).accepted
+    worse = close_loops(graph, [moved(good(26, 6), 0.4, 0, 0, 0, 0, 0)], PARAMS)
+    assert not worse.accepted
+    assert state(graph) == before
+
+
 def test_an_error_on_the_way_leaves_the_graph_as_it_was() -> None:
     graph = circles()
     before = state(graph)
@@ -124,6 +137,7 @@ def test_the_worst_link_is_named_and_whether_it_is_linear_or_angular() -> None:
     graph.poses[LAP] = graph.poses[LAP] @ se3_exp(np.array([0, 0, 0, 0, 0, 0.1]))
     worst = max_error(graph, graph.poses)
     assert worst.link is graph.links[LAP - 1, LAP]
+    assert worst.ratio == worst.angular == pytest.approx(33.3, abs=0.1)
     assert worst.text == f"link {LAP - 1}->{LAP} (Neighbor) is 5.73 deg off, 33.3 sigma of 0.17 deg (angular)"
     graph.poses[LAP] = graph.T_odom[LAP] @ se3_exp(np.array([0, 0, 0.5, 0, 0, 0]))
     text = f"link {LAP - 1}->{LAP} (Neighbor) is 0.500 m off, 50.0 sigma of 0.010 m (linear)"

@@ -113,6 +113,26 @@ def test_cells_are_bounded_by_the_clamps() -> None:
     assert steps == int(np.ceil(np.log(0.971 / 0.029) / -np.log(0.4 / 0.6)))
 
 
+def test_single_gaps_between_free_cells_are_free_and_nothing_else_is() -> None:
+    around = [(k % 3, k // 3) for k in range(9) if k != 4]
+    grid = GlobalGrid(PARAMS)
+    grid.add(1, LocalGrid(cells(*around), NONE, NONE, SIZE), at())
+    assert value(grid, 1, 1) == 0
+    beside_wall = GlobalGrid(PARAMS)
+    beside_wall.add(1, LocalGrid(cells(*around[:4], *around[5:]), cells(around[4]), NONE, SIZE), at())
+    assert value(beside_wall, 1, 1) == -1
+    wide = GlobalGrid(PARAMS)
+    wide.add(1, LocalGrid(cells((0, 0), (1, 0), (2, 0), (0, 2), (1, 2), (2, 2)), NONE, NONE, SIZE), at())
+    assert value(wide, 1, 1) == -1
+
+
+def test_turned_grids_have_no_holes() -> None:
+    floor = cells(*((k % 60, k // 60 - 30) for k in range(3600)))
+    grid = GlobalGrid(PARAMS)
+    grid.add(1, LocalGrid(floor, NONE, NONE, SIZE), at(yaw=0.6))
+    assert all(value(grid, k, 2 * k // 3) == 0 for k in range(3, 35))
+
+
 @slowly
 @given(seed=st.integers(0, 999), order=st.permutations(range(1, 9)))
 def test_the_order_of_nodes_does_not_matter_where_no_cell_conflicts(seed: int, order: list[int]) -> None:
@@ -134,6 +154,15 @@ def test_adding_one_by_one_is_the_same_as_a_rebuild(seed: int) -> None:
     where = poses(seed, spread=20.0)
     grid = built({**where, 8: at()})
     grid.move(where)
+    assert same(grid.occupancy(), built(where).occupancy())
+
+
+@slowly
+@given(seed=st.integers(0, 999), order=st.permutations(range(1, 9)))
+def test_a_rebuild_goes_by_ids_whatever_the_order_of_adding(seed: int, order: list[int]) -> None:
+    where = poses(seed, spread=0.3)
+    grid = built({**where, 8: at(x=9.0)}, list(order))
+    assert grid.move(where)
     assert same(grid.occupancy(), built(where).occupancy())
 
 

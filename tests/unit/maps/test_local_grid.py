@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -138,19 +135,3 @@ def test_a_small_camera_is_a_camera() -> None:
     depth = render(DOWN)[::10, ::10]
     grid = make_local_grid(depth, small, level(DOWN), PARAMS.changed({"Grid/DepthDecimation": 1}))
     assert len(grid.ground) > 200
-
-
-def test_it_is_fast_enough_to_be_made_for_each_node() -> None:
-    depth, T = render(DOWN, table=True), level(DOWN)
-    make_local_grid(depth, CAMERA, T, PARAMS)
-    times = []
-    for _ in range(5):
-        start = time.perf_counter()
-        make_local_grid(depth, CAMERA, T, PARAMS)
-        times.append(time.perf_counter() - start)
-    assert min(times) < 0.15, "ten times what it should take"
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _compiled() -> None:
-    make()

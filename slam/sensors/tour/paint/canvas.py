@@ -13,6 +13,8 @@ Color = tuple[int, int, int]
 Painter = Callable[["Canvas"], None]
 #: Sub-pixel bits of OpenCV's drawing functions.
 _SHIFT = 4
+#: Large surfaces are worked on in strips of this many rows, to save memory.
+STRIP_ROWS = 128
 
 
 def rgb(code: int) -> Color:
@@ -91,7 +93,9 @@ class Canvas:
 
     def tint(self, field: NDArray[np.float32]) -> None:
         """Make brighter by a field (H, W) of fractions; negative ones darken."""
-        np.copyto(self.image, np.clip(self.image * (1.0 + field[..., None]), 0, 255).astype(np.uint8))
+        for first in range(0, len(field), STRIP_ROWS):
+            rows = slice(first, first + STRIP_ROWS)
+            self.image[rows] = np.clip(self.image[rows] * (1 + field[rows, :, None]), 0, 255).astype(np.uint8)
 
     def pick(self, colors: Sequence[Color]) -> Color:
         """One of these colours."""

@@ -1,0 +1,54 @@
+"""Why a link is in the graph, or is not, in plain words with the numbers that decided."""
+
+from __future__ import annotations
+
+import math
+
+from server.browse.snapshot import Pair, Snapshot
+from slam.database import JournalEntry
+from slam.types import Candidate, Link, LinkType
+
+_PLAIN = {
+    LinkType.NEIGHBOR: "Neighbours in time: odometry measured this step.",
+    LinkType.NEIGHBOR_MERGED: "Neighbours in time, joined when a node between them was merged.",
+    LinkType.VIRTUAL_CLOSURE: "A virtual link, made to carry on a map.",
+    LinkType.POSE_PRIOR: "A prior: the node's pose was measured from outside.",
+    LinkType.LANDMARK: "A landmark seen from this node.",
+    LinkType.GRAVITY: "Gravity: which way is up at this node.",
+    LinkType.USER_CLOSURE: "Added by hand.",
+    LinkType.LOCAL_TIME_CLOSURE: "A loop among the nodes of short-term memory.",
+}
+
+
+def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | None) -> str:
+    """One or two sentences about a pair."""
+    decided = snapshot.history.last(pair)
+    said = [] if decided is None else [_decision(decided)]
+    if candidate is None or not link.type.is_loop:
+        said.append(_PLAIN.get(link.type, "A loop closure; the file does not say what it was judged by."))
+    elif candidate.refusal is not None:
+        said.append(f"Refused: {candidate.refusal.text.rstrip('.')}.")
+    else:
+        said.append(_accepted(snapshot, pair, candidate))
+    return " ".join(said)
+
+
+def _accepted(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:
+    params = snapshot.params
+    parts = []
+    if math.isfinite(candidate.posterior):
+        parts.append(f"hypothesis {candidate.posterior:.2f}, Rtabmap/LoopThr {params.Rtabmap.LoopThr:g}")
+    else:
+        parts.append("near by in the map (proximity)")
+    parts.append(
+        f"{candidate.inliers} inliers of {candidate.matches} matches, Vis/MinInliers {params.Vis.MinInliers} needed"
+    )
+    sigma = snapshot.residuals.get(pair)
+    if sigma is not None:
+        parts.append(f"residual {sigma:.1f} sigma, RGBD/OptimizeMaxError allows {params.RGBD.OptimizeMaxError:g}")
+    return f"Accepted: {'; '.join(parts)}."
+
+
+def _decision(entry: JournalEntry) -> str:
+    done = {"approve": "Approved", "reject": "Rejected", "add": "Added by hand"}[entry.action]
+    return f"{done} by {entry.author} (decision {entry.id})." if entry.author else f"{done} (decision {entry.id})."

@@ -1,0 +1,91 @@
+"""The review queue: every loop that is in the graph, was refused, or was decided about."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from server.browse.columns import number
+from server.browse.snapshot import Pair, Snapshot
+from server.schemas import LoopReason, LoopRow, Loops
+from slam.database import LoopState
+from slam.geometry import translation_norm
+from slam.types import Candidate, Link, LinkType, Refusal
+
+_DECIDED = {"approve": LoopState.APPROVED, "reject": LoopState.REJECTED, "add": LoopState.ADDED}
+
+
+def loops(snapshot: Snapshot, after: int = 0) -> Loops:
+    """Every loop whose update came after node ``after``; the newest first."""
+    rows = [row for row in _rows(snapshot) if row.update > after]
+    counts = Counter(row.state.value for row in rows)
+    return Loops(loops=rows, counts={state.value: counts[state.value] for state in LoopState})
+
+
+def loop_state(snapshot: Snapshot, pair: Pair) -> LoopState | None:
+    """Where a loop stands; None for odometry and for what was never looked at."""
+    link = snapshot.links.get(pair)
+    decided = snapshot.history.last(pair)
+    if decided is not None:
+        return _DECIDED[decided.action]
+    if link is not None:
+        return LoopState.ACCEPTED if link.type.is_loop else None
+    return LoopState.REFUSED if pair in snapshot.candidates else None
+
+
+def reason(refusal: Refusal | None) -> LoopReason | None:
+    """Why a loop was refused, as the page gets it."""
+    if refusal is None:
+        return None
+    return LoopReason(
+        test=refusal.test, value=number(refusal.value), threshold=number(refusal.threshold), text=refusal.text
+    )
+
+
+def evidence(count: int) -> int | None:
+    """A number of matches or inliers; None when it was refused before they were counted."""
+    return count if count >= 0 else None
+
+
+def _rows(snapshot: Snapshot) -> Iterator[LoopRow]:
+    in_graph = {pair for pair, link in snapshot.links.items() if link.type.is_loop}
+    decided = {entry.pair for entry in snapshot.journal}
+    for pair in sorted(in_graph | decided | snapshot.candidates.keys(), key=lambda p: (-p[1], -p[0])):
+        state = loop_state(snapshot, pair)
+        if state is not None:
+            yield _row(snapshot, pair, state)
+
+
+def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
+    link, looked_at = snapshot.links.get(pair), snapshot.candidates.get(pair)
+    candidate = None if looked_at is None else looked_at.candidate
+    T_from_to = link.T_from_to if link is not None else candidate.T_from_to if candidate is not None else None
+    from_id, to_id = _direction(pair, link, candidate)
+    return LoopRow(
+        key=f"{from_id}-{to_id}",
+        from_=from_id,
+        to=to_id,
+        type=_type(link, candidate).label,
+        state=state,
+        posterior=None if candidate is None else number(candidate.posterior),
+        inliers=None if candidate is None else evidence(candidate.inliers),
+        matches=None if candidate is None else evidence(candidate.matches),
+        residual_sigma=number(snapshot.residuals.get(pair)),
+        translation_m=None if T_from_to is None else translation_norm(T_from_to),
+        update=pair[1] if looked_at is None else looked_at.update_id,
+        reason=None if candidate is None else reason(candidate.refusal),
+    )
+
+
+def _direction(pair: Pair, link: Link | None, candidate: Candidate | None) -> Pair:
+    if link is not None:
+        return link.from_id, link.to_id
+    if candidate is not None:
+        return candidate.from_id, candidate.to_id
+    return pair[1], pair[0]
+
+
+def _type(link: Link | None, candidate: Candidate | None) -> LinkType:
+    if link is not None:
+        return link.type
+    return LinkType.USER_CLOSURE if candidate is None else candidate.type

@@ -1,0 +1,72 @@
+"""One served map: notices changes of its file and keeps what was read as long as it holds."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+from server.browse.increments import Increments
+from server.browse.snapshot import Snapshot
+from server.browse.statistics import StatisticsLog
+from server.browse.tiers import TierLog
+from server.catalog import MapFile
+from slam.database import MapReader
+
+Fingerprint = tuple[tuple[int, int], ...]
+
+
+class MapView:
+    """Reads one map file for any number of threads.
+
+    Attributes:
+        file: which one.
+        reader: of the file.
+        increments: what changed in the graph since which revision.
+        statistics: of its updates.
+    """
+
+    def __init__(self, file: MapFile) -> None:
+        self.file = file
+        self.reader = MapReader(file.path)
+        self.increments = Increments()
+        self.statistics = StatisticsLog(self.reader)
+        self._tiers = TierLog(self.reader)
+        self._lock = threading.Lock()
+        self._print: Fingerprint = ()
+        self._revision = 0
+        self._snapshot: Snapshot | None = None
+
+    def snapshot(self) -> Snapshot:
+        """What the file holds now."""
+        with self._lock:
+            # Taken before the file is read: what is written meanwhile is noticed the next time.
+            now = _fingerprint(self.file.path)
+            known = self._snapshot
+            if known is not None and now == self._print and known.revision == self._revision:
+                return known
+            if known is None or known.revision == self._revision:
+                self._revision += 1
+            self._snapshot = Snapshot(self.reader, self._revision, self._tiers.read())
+            self._print = now
+            return self._snapshot
+
+    def touch(self) -> int:
+        """Somebody wrote the file, perhaps so soon after the last time that its clock does not show it.
+
+        Returns:
+            The revision of the next snapshot.
+        """
+        with self._lock:
+            self._revision += 1
+            return self._revision
+
+
+def _fingerprint(path: Path) -> Fingerprint:
+    found = []
+    for part in (path, path.with_name(path.name + "-wal")):
+        try:
+            state = part.stat()
+        except FileNotFoundError:
+            continue
+        found.append((state.st_mtime_ns, state.st_size))
+    return tuple(found)

@@ -1,0 +1,55 @@
+"""Images of nodes, as stored or made for looking at."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from server.browse.map_view import MapView
+from server.errors import NotFoundError
+
+_PREVIEW_WIDTH = 320
+_PNG = b"\x89PNG"
+
+
+def stored_image(view: MapView, node_id: int) -> tuple[bytes, str]:
+    """Colour image of a node as stored, and its media type; raises NotFoundError when it has none."""
+    data = _present(view, node_id, "image")
+    return data, "image/png" if data.startswith(_PNG) else "image/jpeg"
+
+
+def preview(view: MapView) -> bytes:
+    """A small JPEG of the map's first image; raises NotFoundError when no node has one."""
+    with_image = view.reader.nodes_with("image")
+    if not len(with_image):
+        raise NotFoundError(f"{view.file.name} has no image")
+    image = view.reader.image_bgr(int(with_image[0]))
+    height = max(1, round(image.shape[0] * _PREVIEW_WIDTH / image.shape[1]))
+    small = cv2.resize(image, (_PREVIEW_WIDTH, height), interpolation=cv2.INTER_AREA)
+    return bytes(cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 82])[1])
+
+
+def coloured_depth(view: MapView, node_id: int, max_m: float) -> bytes:
+    """Depth as a PNG from blue (near) to red (``max_m`` metres and farther), transparent where unknown."""
+    _present(view, node_id, "depth")
+    depth_m = view.reader.depth_m(node_id)
+    share = np.clip(depth_m / (max_m if max_m > 0 else _far(depth_m)), 0.0, 1.0)
+    image = cv2.applyColorMap((share * 255).astype(np.uint8), cv2.COLORMAP_TURBO)
+    known = ((depth_m > 0) & np.isfinite(depth_m)).astype(np.uint8) * 255
+    return bytes(cv2.imencode(".png", np.dstack([image, known]), [cv2.IMWRITE_PNG_COMPRESSION, 3])[1])
+
+
+def _far(depth_m: np.ndarray) -> float:
+    """A depth that nearly all pixels are nearer than."""
+    known = depth_m[(depth_m > 0) & np.isfinite(depth_m)]
+    return float(np.percentile(known, 98)) if len(known) else 1.0
+
+
+def _present(view: MapView, node_id: int, kind: str) -> bytes:
+    node_ids = view.snapshot().rows
+    if node_id not in node_ids:
+        raise NotFoundError(f"{view.file.name} has no node {node_id}")
+    node = view.reader.node(node_id)
+    if not (node.image_bytes if kind == "image" else node.depth_bytes):
+        raise NotFoundError(f"node {node_id} of {view.file.name} has no {kind}")
+    return view.reader.image(node_id) if kind == "image" else view.reader.depth(node_id)

@@ -1,0 +1,155 @@
+"""What one map file held at one moment, read part by part as it is asked for."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from server.accuracy import frames_ate_m, poses_ate_m
+from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
+from slam.errors import ParameterError
+from slam.geometry import Pose
+from slam.graph.verify import residual_ratios
+from slam.history import History
+from slam.params import Params
+from slam.types import WEIGHT_INVALID, Link, Tier
+
+Pair = tuple[int, int]
+
+
+class Snapshot:
+    """The light parts of a map (no images, no key points); each is read once.
+
+    Attributes:
+        revision: grows by one with each change of the file that was noticed.
+        reader: of the file.
+        tiers: id -> tier of every node.
+    """
+
+    def __init__(self, reader: MapReader, revision: int, tiers: Mapping[int, Tier]) -> None:
+        self.reader = reader
+        self.revision = revision
+        self.tiers = tiers
+
+    @cached_property
+    def nodes(self) -> NodeTable:
+        """The nodes of the map, without the merged and dropped ones."""
+        table = self.reader.nodes()
+        kept = table.weights > WEIGHT_INVALID
+        return NodeTable(
+            ids=table.ids[kept],
+            map_ids=table.map_ids[kept],
+            weights=table.weights[kept],
+            stamps=table.stamps[kept],
+            T_odom=table.T_odom[kept],
+            T_world=table.T_world[kept],
+            labels=tuple(label for label, keep in zip(table.labels, kept, strict=True) if keep),
+        )
+
+    @cached_property
+    def rows(self) -> dict[int, int]:
+        """Row of each node id in ``nodes``."""
+        return {int(node_id): row for row, node_id in enumerate(self.nodes.ids)}
+
+    @cached_property
+    def poses(self) -> dict[int, Pose]:
+        """T_map_base by id: optimised, or as odometry says where the file holds no optimised one."""
+        stored = self.reader.poses()
+        table = self.nodes
+        for node_id, T_odom_base in zip(table.ids.tolist(), table.T_odom, strict=True):
+            if node_id not in stored and np.isfinite(T_odom_base).all():
+                stored[node_id] = T_odom_base
+        return stored
+
+    @cached_property
+    def links(self) -> dict[Pair, Link]:
+        """Links between two nodes of the map, by both ids, smaller first."""
+        found = self.reader.links()
+        return {link.pair: link for link in found if link.from_id != link.to_id and set(link.pair) <= self.rows.keys()}
+
+    @cached_property
+    def residuals(self) -> dict[Pair, float]:
+        """Residual in sigmas of every link whose poses are known: what ``RGBD/OptimizeMaxError`` is compared with."""
+        poses = self.poses
+        judged = [
+            link
+            for link in self.links.values()
+            if link.T_from_to is not None and link.from_id in poses and link.to_id in poses
+        ]
+        if not judged:
+            return {}
+        ratios = residual_ratios(judged, poses)
+        worst = np.maximum(ratios[:, 0], ratios[:, 2])
+        return {link.pair: float(sigma) for link, sigma in zip(judged, worst, strict=True)}
+
+    @cached_property
+    def loop_counts(self) -> Counter[int]:
+        """Number of loop links of every node."""
+        return Counter(node_id for pair, link in self.links.items() if link.type.is_loop for node_id in pair)
+
+    @cached_property
+    def calibrated(self) -> frozenset[int]:
+        """Nodes that have a camera."""
+        return frozenset(self.reader.nodes_with("calibration").tolist())
+
+    @cached_property
+    def candidates(self) -> dict[Pair, CandidateRow]:
+        """The last word about each pair that was looked at as a loop."""
+        return {_pair(row.candidate.from_id, row.candidate.to_id): row for row in self.reader.candidates()}
+
+    @cached_property
+    def journal(self) -> list[JournalEntry]:
+        """People's decisions, oldest first."""
+        return self.reader.journal()
+
+    @cached_property
+    def history(self) -> History:
+        """Which decisions stand."""
+        return History(self.journal)
+
+    @cached_property
+    def params(self) -> Params:
+        """Parameters of the newest session, with the changes made while it ran."""
+        params = Params()
+        for name, text in self.parameter_texts.items():
+            try:
+                params = params.changed({name: text})
+            except ParameterError:
+                # Another program's name, or a value that we don't allow: it stays in the file, the default counts.
+                continue
+        return params
+
+    @cached_property
+    def parameter_texts(self) -> dict[str, str]:
+        """The same as text, names that slamdeck doesn't know included."""
+        sessions = self.reader.sessions()
+        began = sessions[-1].started if sessions else None
+        changes = [change for change in self.reader.parameter_changes() if began is None or change.time >= began]
+        return {**self.reader.parameters(), **{change.name: change.value for change in changes}}
+
+    @cached_property
+    def has_truth(self) -> bool:
+        """Whether any node knows where it truly was."""
+        return bool(np.isfinite(self.nodes.T_world[:, 0, 3]).any())
+
+    @cached_property
+    def ate_m(self) -> float | None:
+        """Absolute trajectory error of all tracked frames (nodes, where frames aren't stored); None without truth."""
+        if not self.has_truth:
+            return None
+        frames = self.reader.trajectory()
+        return frames_ate_m(frames, self.poses) if frames else poses_ate_m(*self._node_path())
+
+    def _node_path(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in self.poses]
+        rows = [self.rows[node_id] for node_id in ids]
+        T_map = np.array([self.poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
+        return self.nodes.T_world[rows], T_map
+
+
+def _pair(a: int, b: int) -> Pair:
+    return min(a, b), max(a, b)

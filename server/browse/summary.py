@@ -1,0 +1,96 @@
+"""What is said of a map as a whole."""
+
+from __future__ import annotations
+
+from server.browse.map_view import MapView
+from server.catalog import MapFile
+from server.schemas import MapFacts, MapInfo, MapSummary
+from slam.database import MapInfo as StoredInfo
+from slam.database import MapReader
+from slam.errors import DatabaseError
+from slam.types import LinkType
+
+_LOOPS = {kind.label for kind in LinkType if kind.is_loop}
+
+
+def facts(info: StoredInfo) -> MapFacts:
+    """What ``slamdeck info`` says."""
+    return MapFacts(
+        version=info.version,
+        sessions=info.sessions,
+        nodes=info.nodes,
+        dropped=info.dropped,
+        links=dict(info.links),
+        words=info.words,
+        features=info.features,
+        size_bytes=info.size_bytes,
+        bytes_by_kind=dict(info.bytes_by_kind),
+        parameters=dict(info.parameters),
+        seeds=list(info.seeds),
+        sources=list(info.sources),
+        clean=info.clean,
+        has_poses=info.has_poses,
+        first_stamp=info.first_stamp,
+        last_stamp=info.last_stamp,
+    )
+
+
+def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
+    """One map in detail."""
+    snapshot = view.snapshot()
+    info = view.reader.info(sizes=False)
+    return MapInfo(
+        **facts(info).model_dump(),
+        id=view.file.id,
+        name=view.file.name,
+        loops=loop_count(info),
+        live=live,
+        writable=writable,
+        has_truth=snapshot.has_truth,
+        ate_m=snapshot.ate_m,
+    )
+
+
+def summary(file: MapFile, *, live: bool) -> MapSummary:
+    """A map in the list; one that can't be read says why."""
+    try:
+        state = file.path.stat()
+    except OSError as error:
+        return _unreadable(file, 0, 0.0, f"{file.name}: {error.strerror}")
+    try:
+        info = MapReader(file.path).info(sizes=False)
+    except DatabaseError as error:
+        return _unreadable(file, state.st_size, state.st_mtime, str(error))
+    return MapSummary(
+        id=file.id,
+        name=file.name,
+        size_bytes=info.size_bytes,
+        modified=state.st_mtime,
+        version=info.version,
+        sessions=info.sessions,
+        nodes=info.nodes,
+        links=dict(info.links),
+        loops=loop_count(info),
+        live=live,
+    )
+
+
+def loop_count(info: StoredInfo) -> int:
+    """Number of loop closures in the graph."""
+    return sum(count for kind, count in info.links.items() if kind in _LOOPS)
+
+
+def _unreadable(file: MapFile, size: int, modified: float, why: str) -> MapSummary:
+    return MapSummary(
+        id=file.id,
+        name=file.name,
+        size_bytes=size,
+        modified=modified,
+        version="",
+        sessions=0,
+        nodes=0,
+        links={},
+        loops=0,
+        live=False,
+        error=why,
+    )

@@ -1,0 +1,88 @@
+"""A run in this process, with a progress bar."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from server.engine.mapping import engine_on_new_map
+from slam.errors import SlamError
+from slam.params import Params, Value
+from slam.run import Tally
+from slam.sensors import open_source
+from slam.types import Update
+
+
+class StoppedError(SlamError):
+    """Somebody ended the run."""
+
+
+def plain_run(
+    source_url: str, path: Path, values: Mapping[str, Value], *, seed: int, overwrite: bool
+) -> dict[str, Any]:
+    """Map a source; the summary.
+
+    Raises:
+        StoppedError: by SIGINT or SIGTERM; the map holds what was mapped until then.
+        SlamError: the source, a parameter or the file is refused.
+    """
+    source, params = open_source(source_url), Params().changed(values)
+    opening = engine_on_new_map(path, params, seed=seed, source=source.name, overwrite=overwrite)
+    tally = Tally()
+    with opening as (slam, _), _signals() as stop, _progress(len(source)) as advance:
+        for frame in source:
+            update = slam.process(frame)
+            tally.add(update)
+            advance(update, tally)
+            if stop.asked:
+                raise StoppedError(f"stopped; {path} holds the {len(slam.graph)} nodes mapped until then")
+    return tally.summary(slam, seed=seed, path=path)
+
+
+class _Stop:
+    """Set by a signal, looked at between two frames: a frame is processed as a whole or not at all."""
+
+    asked = False
+
+    def ask(self, *_: object) -> None:
+        self.asked = True
+
+
+@contextmanager
+def _signals() -> Iterator[_Stop]:
+    stop = _Stop()
+    before = {number: signal.signal(number, stop.ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _progress(frames: int) -> Iterator[Any]:
+    """A bar on stderr; silent where stderr is no terminal."""
+    columns = (
+        TextColumn("mapping"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[seen]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=frames, seen="")
+        nodes = loops = 0
+
+        def advance(update: Update, tally: Tally) -> None:
+            nonlocal nodes, loops
+            nodes += update.node is not None
+            loops += sum(candidate.refusal is None for candidate in update.candidates)
+            bar.update(task, advance=1, seen=f"{nodes} nodes, {loops} loops, {tally.lost_frames} lost")
+
+        yield advance

@@ -1,0 +1,89 @@
+"""What the server asks of an engine's process, and the jobs that such a process is made for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from slam.params import Value
+
+
+@dataclass(frozen=True, slots=True)
+class RunJob:
+    """Map a source into a new file.
+
+    Attributes:
+        source: address of the source.
+        path: the file to make.
+        params: values that differ from the defaults.
+        seed: of everything random.
+        speed: times real time, by the frames' stamps; 0 is as fast as possible.
+        overwrite: replace a file that is there.
+    """
+
+    source: str
+    path: Path
+    params: Mapping[str, Value] = field(default_factory=dict)
+    seed: int = 0
+    speed: float = 0.0
+    overwrite: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class EditJob:
+    """Change an existing file as people decide."""
+
+    path: Path
+
+
+Job = RunJob | EditJob
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Stop before the next frame and wait."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Process one frame, then wait."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Close the map and end."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetParams:
+    """Change parameters from the next frame on; answered with all values in force."""
+
+    changes: Mapping[str, Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Decide:
+    """Carry out a person's decision; answered with its effect."""
+
+    action: Literal["approve", "reject", "undo", "redo"]
+    from_id: int
+    to_id: int
+    author: str
+
+
+Command = Pause | Resume | Step | Stop | SetParams | Decide
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A command with the number under which its answer comes."""
+
+    number: int
+    command: Command

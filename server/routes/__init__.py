@@ -1,0 +1,1 @@
+"""The API, one resource in one file."""

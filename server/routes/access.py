@@ -1,0 +1,30 @@
+"""What routes ask for: the services, and the map that an address names."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Depends, Path
+from starlette.requests import HTTPConnection
+
+from server.browse.map_view import MapView
+from server.services import Services
+
+
+def services_of(connection: HTTPConnection) -> Services:
+    """The services of the app, for HTTP and WebSocket routes alike."""
+    found: Services = connection.app.state.services
+    return found
+
+
+ServicesDep = Annotated[Services, Depends(services_of)]
+MapId = Annotated[str, Path(alias="map", min_length=1, max_length=300, description="Id of a map, from GET /api/maps.")]
+NodeId = Annotated[int, Path(ge=1, le=2**31 - 1)]
+
+
+def view_of(services: ServicesDep, map_id: MapId) -> MapView:
+    """The map of the address; UnknownMapError when there is none, DatabaseError when it can't be read."""
+    return services.view(map_id)
+
+
+ViewDep = Annotated[MapView, Depends(view_of)]

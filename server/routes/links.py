@@ -1,0 +1,24 @@
+"""Links of a map."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from server.browse.links import link_detail
+from server.browse.matches import matches
+from server.routes.access import NodeId, ViewDep
+from server.schemas import LinkDetail, LinkMatches
+
+router = APIRouter(prefix="/api/maps/{map}/links/{from_id}/{to_id}", tags=["links"])
+
+
+@router.get("")
+def get_link(view: ViewDep, from_id: NodeId, to_id: NodeId) -> LinkDetail:
+    """A link or a loop that was looked at, with its evidence."""
+    return link_detail(view.snapshot(), from_id, to_id)
+
+
+@router.get("/matches")
+def get_link_matches(view: ViewDep, from_id: NodeId, to_id: NodeId) -> LinkMatches:
+    """Matched key points of both images."""
+    return matches(view, from_id, to_id)

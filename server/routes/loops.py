@@ -1,0 +1,34 @@
+"""Loops of a map and people's decisions about them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from server.browse.journal import journal_entry
+from server.browse.loops import loops
+from server.routes.access import ServicesDep, ViewDep
+from server.schemas import Decision, DecisionResult, Journal, Loops
+
+router = APIRouter(prefix="/api/maps/{map}", tags=["loops"])
+
+
+@router.get("/loops")
+def list_loops(
+    view: ViewDep, after: Annotated[int, Query(ge=0, description="Only loops of updates after this node.")] = 0
+) -> Loops:
+    """Every loop that is in the graph, was refused, or was decided about."""
+    return loops(view.snapshot(), after)
+
+
+@router.get("/decisions")
+def list_decisions(view: ViewDep) -> Journal:
+    """All decisions, oldest first."""
+    return Journal(entries=[journal_entry(entry) for entry in view.snapshot().journal])
+
+
+@router.post("/decisions")
+async def decide(services: ServicesDep, view: ViewDep, decision: Decision) -> DecisionResult:
+    """Approve or reject a loop, undo or redo the last decision; the graph is optimised anew."""
+    return await services.decide(view, decision)

@@ -1,0 +1,32 @@
+"""Map files."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Response
+
+from server.browse.pictures import preview
+from server.browse.summary import detail, summary
+from server.routes.access import ServicesDep, ViewDep
+from server.routes.pictures import JPEG, picture
+from server.schemas import MapInfo, Maps
+
+router = APIRouter(prefix="/api/maps", tags=["maps"])
+
+
+@router.get("")
+def list_maps(services: ServicesDep) -> Maps:
+    """All maps under the served folders."""
+    live = services.session.live_map
+    return Maps(maps=[summary(file, live=file.id == live) for file in services.catalog.files()])
+
+
+@router.get("/{map}")
+def get_map(services: ServicesDep, view: ViewDep) -> MapInfo:
+    """One map in detail."""
+    return detail(view, live=services.session.live_map == view.file.id, writable=services.is_writable(view.file))
+
+
+@router.get("/{map}/preview.jpg", response_class=Response, responses=JPEG)
+def get_preview(view: ViewDep) -> Response:
+    """The first image, small."""
+    return picture(preview(view), "image/jpeg")

@@ -1,0 +1,45 @@
+"""What all shapes of the API share."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from slam.types import Tier
+
+#: x y z in metres, then the quaternion x y z w.
+PoseList = Annotated[list[float], Field(min_length=7, max_length=7)]
+TierName = Tier
+ParameterValue = bool | int | float | str
+Axes = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class Schema(BaseModel):
+    """A shape that the page may see; ``from_`` in code is ``from`` in JSON."""
+
+    model_config = ConfigDict(populate_by_name=True, extra="forbid", use_attribute_docstrings=True)
+
+
+class ErrorDetail(Schema):
+    """What was refused and what would be right."""
+
+    code: str
+    message: str
+    status: int
+
+
+class ErrorBody(Schema):
+    """The one shape of all errors."""
+
+    error: ErrorDetail
+
+
+class Size(Schema):
+    """Of an image, in pixels."""
+
+    width: int
+    height: int
+
+
+RunState = Literal["idle", "starting", "running", "paused", "finished", "stopped", "failed"]

@@ -1,0 +1,81 @@
+"""Shapes of links and loop candidates."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from server.schemas.base import Axes, PoseList, Schema, Size
+from slam.database import LoopState
+
+
+class LoopReason(Schema):
+    """Why a loop was refused: the test, its value and the threshold that it missed."""
+
+    test: str
+    value: float | None
+    threshold: float | None
+    text: str
+
+
+class LoopRow(Schema):
+    """A loop in the review queue."""
+
+    key: str
+    """Both ids as they are stored, ``147-61``."""
+    from_: int = Field(alias="from")
+    to: int
+    type: str
+    state: LoopState
+    posterior: float | None
+    inliers: int | None
+    matches: int | None
+    residual_sigma: float | None
+    """None while the link isn't in the graph."""
+    translation_m: float | None
+    update: int
+    """The node whose update looked at it."""
+    reason: LoopReason | None
+
+
+class Loops(Schema):
+    """Every loop that was looked at; of a pair, the last word."""
+
+    loops: list[LoopRow]
+    counts: dict[str, int]
+    """By state."""
+
+
+class LinkDetail(Schema):
+    """A link, or a candidate that didn't become one, with its evidence."""
+
+    from_: int = Field(alias="from")
+    to: int
+    type: str
+    state: LoopState | None
+    """None for odometry."""
+    transform: PoseList | None
+    translation_m: float | None
+    rotation_deg: float | None
+    sigma_m: Axes | None
+    sigma_deg: Axes | None
+    residual_sigma: float | None
+    chi2: float | None
+    posterior: float | None
+    inliers: int | None
+    matches: int | None
+    reason: LoopReason | None
+    explanation: str
+
+
+class LinkMatches(Schema):
+    """Matched key points of both images of a link; entry i of each list is the same match."""
+
+    from_: Size = Field(alias="from")
+    to: Size
+    x1: list[float]
+    y1: list[float]
+    x2: list[float]
+    y2: list[float]
+    inlier: list[bool]
+    recomputed: bool
+    """Matched now from the stored key points, not when the link was made."""

@@ -1,0 +1,54 @@
+"""Shapes of the 3D view."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from server.schemas.base import Schema
+
+Colouring = Literal["memory", "session", "time", "weight"]
+Pair = Annotated[list[int], Field(min_length=2, max_length=2)]
+
+
+class SceneLayers(Schema):
+    """Which layers are shown."""
+
+    graph: bool = True
+    cloud: bool = True
+    grid: bool = False
+    odometry: bool = True
+    truth: bool = False
+    frusta: bool = False
+
+
+class Scene(Schema):
+    """State of a map's 3D view."""
+
+    layers: SceneLayers
+    colour: Colouring
+    dark: bool = True
+    selected_node: int | None = None
+    selected_link: Pair | None = None
+
+
+class LayerChange(Schema):
+    """Layers to switch; those left out stay."""
+
+    graph: bool | None = None
+    cloud: bool | None = None
+    grid: bool | None = None
+    odometry: bool | None = None
+    truth: bool | None = None
+    frusta: bool | None = None
+
+
+class SceneChange(Schema):
+    """What to change; what is left out stays, null deselects."""
+
+    layers: LayerChange | None = None
+    colour: Colouring | None = None
+    dark: bool | None = None
+    selected_node: int | None = None
+    selected_link: Pair | None = None

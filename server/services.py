@@ -1,0 +1,108 @@
+"""Everything that routes work with, and how its parts tell each other of changes."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import OrderedDict
+
+from server.browse.journal import journal_entry
+from server.browse.map_view import MapView
+from server.catalog import Catalog, MapFile
+from server.editors import Editors
+from server.engine.commands import Decide, RunJob
+from server.engine.events import Event, GraphChanged, Moved, NodeAdded
+from server.errors import EngineError
+from server.hub import Hub
+from server.runs import checked_source
+from server.scene.scenes import Scenes
+from server.schemas import Decision, DecisionEffect, DecisionResult, Session, StartRun
+from server.session import RunSession
+from server.settings import Settings
+from server.updates import update_message
+
+_OPEN_MAPS = 8
+
+
+class Services:
+    """The state of the server; made once for each app, in its event loop's thread."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.hub = Hub()
+        self.catalog = Catalog(settings.roots)
+        self.session = RunSession(self.hub, self._heard)
+        self.editors = Editors(self._heard)
+        self.scenes = Scenes(self.hub)
+        self._views: OrderedDict[tuple[str, int], MapView] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def view(self, map_id: str) -> MapView:
+        """The map of an id; raises UnknownMapError or DatabaseError."""
+        file = self.catalog.find(map_id)
+        # A file that was replaced by another of its name is another map.
+        key = (map_id, file.path.stat().st_ino)
+        with self._lock:
+            view = self._views.get(key)
+            if view is None:
+                view = self._views[key] = MapView(file)
+            self._views.move_to_end(key)
+            while len(self._views) > _OPEN_MAPS:
+                self._views.popitem(last=False)
+            return view
+
+    def is_writable(self, file: MapFile) -> bool:
+        """Whether people may decide about a map."""
+        return os.access(file.path, os.W_OK) and os.access(file.path.parent, os.W_OK)
+
+    async def start_run(self, run: StartRun) -> Session:
+        """Start mapping into a new map under the first served folder."""
+        path = self.catalog.new_path(run.map)
+        source = checked_source(run.source, self.settings.sources)
+        return await self.session.start(run.map, RunJob(source, path, run.params, run.seed, run.speed))
+
+    async def decide(self, view: MapView, decision: Decision) -> DecisionResult:
+        """Carry out a decision in the process that may write the map."""
+        command = Decide(decision.action, decision.from_ or 0, decision.to or 0, "page")
+        if self.session.live_map == view.file.id:
+            effect = await self.session.request(view.file.id, command)
+        else:
+            if not self.is_writable(view.file):
+                raise EngineError(f"{view.file.name} can't be changed: the file and its folder must be writable")
+            effect = await self.editors.request(view.file, command)
+        shown = DecisionEffect(
+            chi2_before=effect.chi2_before,
+            chi2_after=effect.chi2_after,
+            moved=effect.moved,
+            max_shift_m=effect.max_shift_m,
+            ate_before_m=effect.ate_before,
+            ate_after_m=effect.ate_after,
+        )
+        entry = journal_entry(effect.entry).model_copy(update={"effect": shown})
+        self.hub.publish("decision", view.file.id, entry.model_dump())
+        return DecisionResult(entry=entry, effect=shown, revision=self._graph_changed(view.file.id))
+
+    async def close(self) -> None:
+        """End every process and every 3D view."""
+        await self.session.close()
+        await self.editors.close()
+        self.scenes.close()
+
+    def _heard(self, map_id: str, event: Event) -> None:
+        """An engine told something about a map."""
+        if isinstance(event, NodeAdded):
+            self.hub.publish("update", map_id, update_message(event))
+            self._graph_changed(map_id)
+        elif isinstance(event, GraphChanged):
+            self._graph_changed(map_id)
+        elif isinstance(event, Moved):
+            self.scenes.move(map_id, event.T_map_base)
+
+    def _graph_changed(self, map_id: str) -> int:
+        """Tell everybody; returns the revision that the file will be read as."""
+        with self._lock:
+            view = next((view for (open_id, _), view in self._views.items() if open_id == map_id), None)
+        revision = 1 if view is None else view.touch()
+        self.hub.publish("graph", map_id, {"revision": revision})
+        self.scenes.refresh(map_id)
+        return revision

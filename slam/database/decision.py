@@ -1,0 +1,37 @@
+"""Writing a person's decision with all that it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from sqlalchemy import Connection
+
+from slam.database.admin_rows import clear_derived, write_poses
+from slam.database.journal_rows import append_entry
+from slam.database.link_rows import insert_link, remove_link
+from slam.database.node_record import KnownIds
+from slam.database.records import JournalEntry
+from slam.geometry import Pose
+from slam.types import Link
+
+
+def write_decision(
+    connection: Connection,
+    known: KnownIds,
+    entry: JournalEntry,
+    add: Sequence[Link],
+    remove: Sequence[tuple[int, int]],
+    poses: Mapping[int, Pose],
+) -> int:
+    """Journal, links, optimised poses; what was made from the old graph goes. Returns the journal's number."""
+    number = append_entry(connection, entry)
+    for from_id, to_id in remove:
+        remove_link(connection, from_id, to_id)
+    for link in add:
+        known.check_link(link)
+        insert_link(connection, link)
+    if poses:
+        write_poses(connection, poses, None)
+    if add or remove:
+        clear_derived(connection)
+    return number

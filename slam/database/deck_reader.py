@@ -1,0 +1,47 @@
+"""Reading what slamdeck alone records in a map file."""
+
+from __future__ import annotations
+
+from slam.database import update_rows
+from slam.database.candidate_rows import read_candidates
+from slam.database.deck_values import CandidateRow, ParameterChange, UpdateRow
+from slam.database.file_reader import FileReader
+from slam.database.frame_rows import read_frames
+from slam.database.journal_rows import read_journal
+from slam.database.parameter_rows import read_parameter_changes
+from slam.database.records import JournalEntry
+from slam.types import Posterior, TrackedFrame
+
+
+class DeckReader(FileReader):
+    """Updates, candidates, frames and decisions; all are empty for files that RTAB-Map wrote."""
+
+    def trajectory(self) -> list[TrackedFrame]:
+        """All tracked frames in the order of time."""
+        with self._deck("reading the trajectory") as connection:
+            return read_frames(connection) if connection else []
+
+    def updates(self, after: int = 0) -> list[UpdateRow]:
+        """The updates after a node, ascending."""
+        with self._deck("reading the updates") as connection:
+            return update_rows.read_updates(connection, after) if connection else []
+
+    def hypotheses(self, update_id: int) -> Posterior | None:
+        """The best places of an update's belief and the virtual place; None where it had none."""
+        with self._deck(f"reading the hypotheses of update {update_id}") as connection:
+            return update_rows.read_belief(connection, update_id) if connection else None
+
+    def candidates(self, after: int = 0) -> list[CandidateRow]:
+        """The loop closures that were looked at, after a candidate's number, ascending."""
+        with self._deck("reading the candidates") as connection:
+            return read_candidates(connection, after) if connection else []
+
+    def journal(self) -> list[JournalEntry]:
+        """People's decisions, oldest first."""
+        with self._deck("reading the journal") as connection:
+            return read_journal(connection) if connection else []
+
+    def parameter_changes(self) -> list[ParameterChange]:
+        """Parameters changed while an engine ran, oldest first."""
+        with self._deck("reading the parameter changes") as connection:
+            return read_parameter_changes(connection) if connection else []

@@ -1,0 +1,52 @@
+"""Opening a map file for reading, again for each call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlalchemy import Connection
+
+from slam.database.admin_rows import read_version
+from slam.database.connection import reading, reading_engine
+from slam.database.file_check import check_file, check_version
+from slam.database.refusal import refusing
+from slam.database.schema import has_deck_tables
+from slam.errors import DatabaseError
+
+
+class FileReader:
+    """A map file of a known version, opened and closed by each call, so that calls may come from any thread.
+
+    Attributes:
+        path: the file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        check_file(path)
+        self.path = path
+        self._engine = reading_engine(path)
+        with self._reading("opening") as connection:
+            check_version(read_version(connection))
+
+    @contextmanager
+    def _reading(self, doing: str) -> Iterator[Connection]:
+        check_file(self.path)
+        with refusing(self.path, doing), _making_sense(), reading(self._engine) as connection:
+            yield connection
+
+    @contextmanager
+    def _deck(self, doing: str) -> Iterator[Connection | None]:
+        with self._reading(doing) as connection:
+            yield connection if has_deck_tables(connection) else None
+
+
+@contextmanager
+def _making_sense() -> Iterator[None]:
+    """SQLite keeps anything in any column: what is not of the column's kind can't be understood."""
+    try:
+        yield
+    except (ValueError, TypeError, OverflowError) as error:
+        text = str(error).partition("\n")[0]
+        raise DatabaseError(f"a value is not of the kind that its column has: {text}; the file is damaged") from error

@@ -1,0 +1,1 @@
+"""Timings of the engine and of starting it; never a gate."""

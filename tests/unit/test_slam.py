@@ -1,0 +1,395 @@
+"""The engine as a whole: what it keeps, what it writes, what may change while it runs, and how it begins anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slam.database import MapReader, MapWriter
+from slam.errors import ParameterError
+from slam.geometry import between, translation_norm
+from slam.params import Effect, Params, specs
+from slam.slam import Slam
+from slam.types import LinkType, Tier, Update
+from tests.tours import EVERY, Mapped, blank, covered, dense, fed, mapped, sparse, there_and_back, truth
+
+#: Statistics that RTAB-Map does not have: its users see them as somebody's own.
+OWN = {"Memory/Long_term_memory_size/"}
+#: RTAB-Map's names (Statistics.h of 0.23, and what its odometry adds) that are in use here.
+RTABMAP = {
+    "Loop": "Id/ Map_id/ Accepted_hypothesis_id/ RejectedHypothesis/ Highest_hypothesis_id/ Highest_hypothesis_value/ "
+    "Vp_hypothesis/ Visual_matches/ Visual_inliers/ Visual_words/ Optimization_max_error/m "
+    "Optimization_max_error_ratio/ Optimization_max_ang_error/deg Optimization_max_ang_error_ratio/ "
+    "Optimization_error/ Optimization_iterations/ MapToOdom_norm/m MapToOdom_angle/deg MapToOdom_x/m MapToOdom_y/m "
+    "MapToOdom_z/m MapToOdom_roll/deg MapToOdom_pitch/deg MapToOdom_yaw/deg MapToBase_x/m MapToBase_y/m MapToBase_z/m "
+    "MapToBase_roll/deg MapToBase_pitch/deg MapToBase_yaw/deg",
+    "Proximity": "Space_visual_paths_checked/ Space_detections_added_visually/ Space_last_detection_id/",
+    "Memory": "Short_time_memory_size/ Working_memory_size/ Local_graph_size/ Signatures_removed/ "
+    "Signatures_retrieved/ Rehearsal_id/ Rehearsal_sim/ Distance_travelled/m Odometry_variance_lin/ "
+    "Odometry_variance_ang/",
+    "Keypoint": "Dictionary_size/words Current_frame/words",
+    "Odometry": "Features/ Inliers/ KeyFrameAdded/ TotalTime/ms",
+    "Timing": "Memory_update/ms Likelihood_computation/ms Posterior_computation/ms Reactivation/ms "
+    "Hypotheses_validation/ms Proximity_by_space/ms Map_optimization/ms Forgetting/ms Total/ms",
+    "TimingMem": "Occupancy_grid/ms",
+}
+
+
+@pytest.fixture(params=[0, 25], ids=["all in working memory", "25 nodes in working memory"])
+def tour(request: pytest.FixtureRequest) -> Mapped:
+    return mapped(request.param)
+
+
+def new_map(path: Path, params: Params = EVERY) -> Slam:
+    return Slam(params, MapWriter.create(path, params, seed=0, source="tour:"), source="tour:")
+
+
+# What the file says is what the engine knew.
+
+
+def test_the_file_has_the_poses_and_links_of_the_engine(tour: Mapped) -> None:
+    reader, graph = MapReader(tour.path), tour.slam.graph
+    poses = reader.poses()
+    assert poses.keys() == graph.poses.keys()
+    for node_id, T in graph.poses.items():
+        np.testing.assert_allclose(poses[node_id], T, atol=1e-5)  # single precision, as in RTAB-Map's files
+    links = {link.pair: link for link in reader.links()}
+    assert links.keys() == graph.links.keys()
+    for pair, link in graph.links.items():
+        assert (links[pair].from_id, links[pair].type) == (link.from_id, link.type)
+        stored = links[pair].T_from_to
+        assert stored is not None
+        assert link.T_from_to is not None
+        np.testing.assert_allclose(stored, link.T_from_to, atol=1e-5)
+        np.testing.assert_allclose(links[pair].information, link.information, rtol=1e-6)
+
+
+def test_the_file_has_the_nodes_weights_and_truth_of_the_engine(tour: Mapped) -> None:
+    table, slam = MapReader(tour.path).nodes(), tour.slam
+    assert dict(zip(table.ids.tolist(), table.weights.tolist(), strict=True)) == slam.memory.weights
+    assert set(table.map_ids.tolist()) == {0}
+    for row, node_id in enumerate(table.ids.tolist()):
+        np.testing.assert_allclose(table.T_odom[row], slam.graph.T_odom[node_id], atol=1e-5)
+    np.testing.assert_allclose(table.T_world, truth(sparse()), atol=1e-5)
+    assert table.stamps.tolist() == [frame.stamp for frame in sparse()]
+
+
+def test_the_file_has_the_words_of_the_nodes_in_ram(tour: Mapped) -> None:
+    reader, memory = MapReader(tour.path), tour.slam.memory
+    node_ids, word_ids = reader.memory_ids()
+    assert node_ids.tolist() == sorted(memory.nodes)
+    assert word_ids.tolist() == memory.dictionary.ids()
+    stored = reader.words(memory.dictionary.ids())
+    np.testing.assert_array_equal(stored.descriptors, memory.dictionary.descriptors(stored.ids))
+    for node_id, node in memory.nodes.items():
+        features, words = reader.features(node_id)
+        np.testing.assert_array_equal(words, node.word_ids)
+        np.testing.assert_array_equal(features.descriptors, node.features.descriptors)
+        np.testing.assert_array_equal(features.pixels, node.features.pixels)
+        np.testing.assert_array_equal(features.points_base, node.features.points_base)
+        assert set(words[words > 0].tolist()) <= set(word_ids.tolist()), "RTAB-Map loads no other words"
+
+
+def test_the_file_has_the_whole_path(tour: Mapped) -> None:
+    stored = MapReader(tour.path).trajectory()
+    assert len(stored) == len(sparse())
+    for frame, made in zip(stored, tour.slam.frames, strict=True):
+        assert (frame.index, frame.stamp, frame.node_id) == (made.index, made.stamp, made.node_id)
+        assert (frame.inliers, frame.lost) == (made.inliers, made.lost)
+        assert frame.T_node_base is not None
+        assert made.T_node_base is not None
+        np.testing.assert_allclose(frame.T_node_base, made.T_node_base, atol=1e-6)
+
+
+def test_the_file_has_candidates_beliefs_and_statistics(tour: Mapped) -> None:
+    reader = MapReader(tour.path)
+    stored = [row.candidate for row in reader.candidates()]
+    assert [(c.from_id, c.to_id, c.type, c.matches, c.inliers, c.refusal) for c in stored] == [
+        (c.from_id, c.to_id, c.type, c.matches, c.inliers, c.refusal) for c in tour.candidates
+    ]
+    rows = reader.updates()
+    assert [row.id for row in rows] == list(range(1, len(sparse()) + 1))
+    table = reader.statistics()
+    for update, row in zip(tour.updates, rows, strict=True):
+        assert dict(row.tiers) == dict(update.tiers)
+        assert row.optimized == update.optimized
+        assert row.weight == update.weight
+        assert update.posterior is not None
+        assert row.value == pytest.approx(update.posterior.value)
+        for name, value in update.statistics.items():
+            assert table.values[name][row.id - 1] == pytest.approx(value, rel=1e-5, abs=1e-6), (
+                name
+            )  # six digits, as RTAB-Map
+    states = reader.wm_states()
+    assert states[len(sparse())].tolist() == sorted(tour.slam.memory.nodes)
+
+
+def test_the_session_is_closed_in_order(tour: Mapped) -> None:
+    info = MapReader(tour.path).info()
+    assert info.clean
+    assert info.seeds == (3,)
+    assert info.sources == ("tour:",)
+    assert (info.nodes, info.sessions) == (len(sparse()), 1)
+    assert sorted(p.name for p in tour.path.parent.iterdir() if p.suffix != ".lock") == [tour.path.name]
+
+
+def test_all_statistics_have_names_that_rtabmap_knows(tour: Mapped) -> None:
+    known = {f"{group}/{name}" for group, names in RTABMAP.items() for name in names.split()}
+    found = {name for update in tour.updates for name in update.statistics}
+    assert found - known == OWN
+    assert known - found == set(), "listed, but never given"
+    assert all(np.isfinite(value) for update in tour.updates for value in update.statistics.values())
+
+
+def test_rtabmap_writes_the_same_names(shared_data: Path) -> None:
+    reader = MapReader(shared_data / "rtabmap_db" / "cpp_0.23.8_toyroom.db")
+    theirs = set(reader.statistics(reader.node_ids()[-3:].tolist()).values)
+    assert set(mapped(0).updates[-1].statistics) - theirs == OWN
+
+
+# Memory.
+
+
+def test_tiers_told_by_updates_are_the_tiers_of_memory(tour: Mapped) -> None:
+    tiers: dict[int, Tier] = {}
+    for update in tour.updates:
+        tiers |= update.tiers
+    memory = tour.slam.memory
+    assert tiers == {i: memory.tier(i) for i in tour.slam.graph.poses}
+    assert list(memory.stm) == list(range(len(sparse()) - 9, len(sparse()) + 1))
+
+
+def test_working_memory_stays_within_its_room() -> None:
+    updates = mapped(25).updates
+    sizes = [update.statistics["Memory/Working_memory_size/"] for update in updates]
+    assert max(sizes) <= 25
+    assert sizes[-1] >= 20
+    assert mapped(25).slam.memory.ltm
+    assert sum(update.statistics["Memory/Signatures_retrieved/"] for update in updates) > 10
+    assert not mapped(0).slam.memory.ltm
+
+
+def test_a_loop_hands_the_weight_on(tour: Mapped) -> None:
+    for update in tour.updates:
+        for candidate in update.candidates:
+            if candidate.refusal is None and candidate.type is LinkType.GLOBAL_CLOSURE:
+                assert tour.slam.memory.weights[candidate.to_id] == 0
+
+
+def test_standing_still_adds_weight_and_no_nodes() -> None:
+    slam = Slam(EVERY)
+    still = [replace(sparse()[k // 4], index=k, stamp=1.0 * k) for k in range(24)]
+    updates = fed(slam, still)
+    assert [update.node is not None for update in updates] == [k % 4 == 0 for k in range(24)]
+    assert len(slam.graph) == 6
+    rehearsed = sum(update.statistics.get("Memory/Rehearsal_id/", 0) > 0 for update in updates)
+    assert sum(slam.memory.weights.values()) == 18 + rehearsed, "one for each frame that looked like the last node"
+    assert all(weight == 3 for weight in list(slam.memory.weights.values())[:-1]) or rehearsed
+    words = set(np.concatenate([bag.words for bag in slam.memory.bags.values()]).tolist())
+    assert set(slam.memory.dictionary.ids()) == words, "frames that were not kept leave no words"
+
+
+def test_weights_are_handed_on_and_never_lost() -> None:
+    slam = Slam(EVERY)
+    way = there_and_back(16)
+    doubled = [replace(way[k // 2], index=k, stamp=0.5 * k) for k in range(2 * len(way))]
+    updates = fed(slam, doubled)
+    assert any(link.type is LinkType.GLOBAL_CLOSURE for link in slam.graph.links.values())
+    kept = sum(update.node is not None for update in updates)
+    rehearsed = sum(update.statistics.get("Memory/Rehearsal_id/", 0) > 0 for update in updates)
+    assert sum(slam.memory.weights.values()) == len(doubled) - kept + rehearsed
+
+
+def test_time_sends_nodes_away_and_without_it_none_goes(tmp_path: Path) -> None:
+    params = EVERY.changed({"Rtabmap/TimeThr": 0.001})
+    slam = new_map(tmp_path / "map.db", params)
+    updates = fed(slam, sparse()[:32])
+    slam.close()
+    assert slam.memory.ltm
+    assert sum(update.statistics["Memory/Signatures_removed/"] for update in updates) >= len(slam.memory.ltm)
+    patient = Slam(EVERY.changed({"Rtabmap/TimeThr": 1e6}))
+    fed(patient, sparse()[:32])
+    assert not patient.memory.ltm
+    stored = {i: t for row in MapReader(tmp_path / "map.db").updates() for i, t in row.tiers.items()}
+    assert {i for i, tier in stored.items() if tier is Tier.LTM} == slam.memory.ltm, "a replay can repeat it"
+
+
+@pytest.mark.parametrize("size", [1, 3])
+def test_short_term_memory_has_its_size(size: int) -> None:
+    slam = Slam(EVERY.changed({"Mem/STMSize": size, "Rtabmap/LoopThr": 0.0}))
+    updates = fed(slam, sparse()[:12])
+    assert all(update.statistics["Memory/Short_time_memory_size/"] <= size for update in updates)
+    assert len(slam.memory.wm) == 12 - size
+
+
+# Which frames become nodes.
+
+
+def test_the_rate_goes_by_the_stamps_of_the_frames() -> None:
+    slam = Slam(Params().changed({"RGBD/LinearUpdate": 0.0, "RGBD/AngularUpdate": 0.0, "Rtabmap/DetectionRate": 5.0}))
+    updates = fed(slam, dense())
+    assert [k for k, update in enumerate(updates) if update.node is not None] == list(range(0, 24, 3))
+    assert len(slam.frames) == 24
+    assert [frame.node_id for frame in slam.frames] == [1 + k // 3 for k in range(24)]
+    assert all(update.T_map_base is not None for update in updates)
+
+
+def test_frames_hang_on_their_node() -> None:
+    slam = Slam(Params().changed({"Rtabmap/DetectionRate": 3.0}))
+    fed(slam, dense())
+    first = slam.frames[0]
+    assert first.T_node_base is not None
+    np.testing.assert_allclose(first.T_node_base, np.eye(4), atol=1e-12)
+    for frame in slam.frames:
+        assert frame.T_node_base is not None
+        true = between(truth(dense())[0], truth(dense())[frame.index])
+        found = between(slam.graph.poses[1], slam.graph.poses[frame.node_id] @ frame.T_node_base)
+        assert translation_norm(between(true, found)) < 0.02
+
+
+# Changing parameters while it runs.
+
+
+def test_loops_stop_when_the_threshold_rises(tmp_path: Path) -> None:
+    frames, slam = there_and_back(22), new_map(tmp_path / "map.db")
+    before = fed(slam, frames[:34])
+    assert slam.set_params({"Rtabmap/LoopThr": 1.0, "RGBD/ProximityBySpace": False}).Rtabmap.LoopThr == 1.0
+    after = fed(slam, frames[34:])
+    slam.close()
+    assert any(c.refusal is None for update in before for c in update.candidates)
+    assert not any(update.candidates for update in after)
+    assert all(update.node is not None for update in after)
+    changes = MapReader(tmp_path / "map.db").parameter_changes()
+    assert [(c.node_id, c.name, c.value) for c in changes] == [
+        (34, "Rtabmap/LoopThr", "1.0"),
+        (34, "RGBD/ProximityBySpace", "false"),
+    ]
+
+
+@pytest.mark.parametrize("name", [spec.name for spec in specs() if spec.effect is not Effect.LIVE])
+def test_what_belongs_to_a_session_does_not_change_in_it(name: str) -> None:
+    slam = Slam(EVERY)
+    before = slam.params
+    with pytest.raises(ParameterError, match="next session"):
+        slam.set_params({"Rtabmap/LoopThr": 0.5, name: slam.params.get(name)})
+    assert slam.params is before
+
+
+def test_a_change_that_is_not_allowed_changes_nothing() -> None:
+    slam = Slam(EVERY)
+    for changes in ({"Rtabmap/LoopThr": 2.0}, {"Rtabmap/LoopThr": 0.5, "Mem/STMSize": 0}, {"Rtabmap/Nothing": 1}):
+        with pytest.raises(ParameterError):
+            slam.set_params(changes)
+        assert slam.params is EVERY
+
+
+def test_a_smaller_short_term_memory_empties_at_the_next_node() -> None:
+    slam = Slam(EVERY)
+    fed(slam, sparse()[:8])
+    slam.set_params({"Mem/STMSize": 2})
+    fed(slam, sparse()[8:9])
+    assert list(slam.memory.stm) == [8, 9]
+    assert list(slam.memory.wm) == list(range(1, 8))
+
+
+# Losing track, and beginning anew.
+
+
+def test_lost_frames_are_told_and_the_session_goes_on() -> None:
+    slam = Slam(EVERY)
+    updates = fed(slam, covered(sparse()[:12], [5]))
+    assert [update.T_map_base is None for update in updates] == [k == 5 for k in range(12)]
+    assert updates[5].node is None
+    assert slam.frames[5].lost == "0 inliers, fewer than Vis/MinInliers 20"
+    assert slam.frames[5].T_node_base is None
+    assert set(slam.graph.map_ids.values()) == {0}
+    assert len(slam.graph.links) == len(slam.graph) - 1
+
+
+def restarted(path: Path | None) -> tuple[Slam, list[Update]]:
+    """There and back with the lid on at the turn, where odometry begins anew."""
+    params = EVERY.changed({"Odom/ResetCountdown": 2})
+    slam = Slam(params) if path is None else new_map(path, params)
+    way = there_and_back(22)
+    return slam, fed(slam, [*way[:22], blank(way[21]), blank(way[22]), *way[23:]])
+
+
+def test_a_restart_is_a_new_session_that_a_loop_joins(tmp_path: Path) -> None:
+    slam, updates = restarted(tmp_path / "map.db")
+    slam.close()
+    ids = slam.graph.map_ids
+    assert set(ids.values()) == {0, 1}
+    assert all(ids[i] == 0 for i in range(1, 23))
+    assert all(ids[i] == 1 for i in range(23, len(ids) + 1))
+    assert (22, 23) not in slam.graph.links, "no odometry leads from one to the other"
+    first = next(k for k, update in enumerate(updates) if update.optimized)
+    assert first > 23
+    assert updates[first].candidates[0].type is LinkType.GLOBAL_CLOSURE
+    assert slam.graph.component(1) == slam.graph.poses.keys()
+    T_world = truth(there_and_back(22))
+    true, found = between(T_world[0], T_world[-1]), between(slam.graph.poses[1], slam.graph.poses[len(ids)])
+    assert translation_norm(between(true, found)) < 0.1, "both are the same place"
+
+
+def test_the_file_takes_a_restart(tmp_path: Path) -> None:
+    slam, _ = restarted(tmp_path / "map.db")
+    slam.close()
+    reader = MapReader(tmp_path / "map.db")
+    sessions = reader.sessions()
+    assert [(session.map_id, session.nodes, session.clean, session.source) for session in sessions] == [
+        (0, 22, True, "tour:"),
+        (1, len(slam.graph) - 22, True, "tour:"),
+    ]
+    assert reader.nodes().map_ids.tolist() == list(slam.graph.map_ids.values())
+    assert {link.pair for link in reader.links()} == slam.graph.links.keys()
+    assert [frame.lost != "" for frame in reader.trajectory()] == [k in (22, 23) for k in range(44)]
+
+
+def test_a_moment_without_depth_is_no_restart() -> None:
+    frames = [replace(f, depth_m=np.zeros_like(f.depth_m)) if k in (4, 5) else f for k, f in enumerate(sparse()[:9])]
+    slam = Slam(EVERY)
+    fed(slam, frames)
+    assert set(slam.graph.map_ids.values()) == {0}
+    assert slam.graph.component(1) == slam.graph.poses.keys()
+
+
+# Reading and ending.
+
+
+def test_others_read_while_it_runs(tmp_path: Path) -> None:
+    slam = new_map(tmp_path / "map.db")
+    reader = MapReader(tmp_path / "map.db")
+    for k, frame in enumerate(sparse()[:6]):
+        slam.process(frame)
+        assert reader.node_ids().tolist() == list(range(1, k + 2))
+        assert reader.poses().keys() == slam.graph.poses.keys()
+        assert [row.id for row in reader.updates(after=k)] == [k + 1]
+        assert reader.image_bgr(k + 1).shape == (240, 320, 3)
+    assert not reader.info().clean
+    slam.close()
+    assert reader.info().clean
+
+
+def test_an_engine_without_a_file_closes_too() -> None:
+    slam = Slam(EVERY)
+    fed(slam, sparse()[:2])
+    slam.close()
+
+
+def test_frames_since_the_last_node_are_stored_at_the_end(tmp_path: Path) -> None:
+    params = Params().changed({"Rtabmap/DetectionRate": 1.0})
+    slam = new_map(tmp_path / "map.db", params)
+    fed(slam, dense())
+    slam.close()
+    assert len(MapReader(tmp_path / "map.db").trajectory()) == 24
+
+
+def test_the_first_frames_may_show_nothing() -> None:
+    slam = Slam(EVERY)
+    updates = fed(slam, covered(sparse()[:4], [0, 1]))
+    assert [update.node is not None for update in updates] == [False, False, True, True]
+    assert [frame.node_id for frame in slam.frames] == [0, 0, 1, 2]
+    assert set(slam.graph.map_ids.values()) == {0}

@@ -1,0 +1,91 @@
+"""The server or the engine dies: the page says so, says what to do, and goes on by itself."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.web.conftest import OpenPage
+from tests.web.served import SMALL_TOUR, Served
+
+SLOW = 60_000
+
+
+def engine_pids(server: Served) -> list[int]:
+    """Processes that the server has started for its engine."""
+    if shutil.which("pgrep") is None:
+        pytest.skip("needs pgrep to find the engine's process")
+    found = subprocess.run(
+        ["pgrep", "--parent", str(server.process.pid), "--full", "spawn_main"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return [int(line) for line in found.stdout.split()]
+
+
+def test_a_server_that_is_gone_is_said_and_reconnected_to(
+    finished_map: Path, tmp_path: Path, open_page: OpenPage
+) -> None:
+    (tmp_path / "flat.db").write_bytes(finished_map.read_bytes())
+    server = Served("serve", str(tmp_path), "--port", "0", "--no-token")
+    page = open_page(server, "#/map/flat/loops")
+    expect(page.get_by_role("row").nth(1)).to_be_visible()
+    server.process.kill()
+    server.process.wait()
+    gone = page.locator("#server-gone")
+    expect(gone).to_contain_text("slamdeck serve", timeout=SLOW)
+    expect(page.get_by_role("row").nth(1)).to_be_visible()  # what had arrived stays
+    port = re.search(r":(\d+)", server.base)
+    assert port
+    again = Served("serve", str(tmp_path), "--port", port[1], "--no-token")
+    try:
+        expect(gone).to_be_hidden(timeout=SLOW)
+    finally:
+        again.close()
+
+
+def test_a_browser_without_a_valid_token_is_told_where_to_get_one(
+    finished_map: Path, tmp_path: Path, open_page: OpenPage
+) -> None:
+    (tmp_path / "flat.db").write_bytes(finished_map.read_bytes())
+    server = Served("serve", str(tmp_path), "--port", "0")
+    page = open_page(server, "#/map/flat/loops")
+    expect(page.get_by_role("row").nth(1)).to_be_visible()
+    server.close()
+    port = re.search(r":(\d+)", server.base)
+    assert port
+    again = Served("serve", str(tmp_path), "--port", port[1])
+    try:
+        expect(page.locator("#expired")).to_contain_text("token", timeout=SLOW)
+    finally:
+        again.close()
+
+
+def test_a_dead_engine_leaves_page_and_map_alive(tmp_path: Path, open_page: OpenPage) -> None:
+    server = Served("run", SMALL_TOUR, "--db", str(tmp_path / "live.db"), "--serve", "--port", "0")
+    page = open_page(server)
+    try:
+        expect(page).to_have_url(re.compile("#/map/live"), timeout=SLOW)
+        page.wait_for_function(
+            "Number(/node ([\\d,]+)/.exec(document.querySelector('header').innerText)?.[1]) >= 5", timeout=SLOW
+        )
+        (engine,) = engine_pids(server)
+        os.kill(engine, signal.SIGKILL)
+        banner = page.locator("#engine-dead")
+        expect(banner).to_contain_text("The engine stopped", timeout=SLOW)
+        expect(banner).to_contain_text("start a new run")
+        page.get_by_role("link", name="Nodes").click()
+        page.get_by_role("row").nth(2).click()
+        expect(page.get_by_role("region", name=re.compile(r"Node \d+"))).to_be_visible()
+        page.get_by_role("button", name="Hide this message").click()
+        expect(banner).to_be_hidden()
+    finally:
+        server.close()

@@ -1,0 +1,108 @@
+"""Click a link and see both images with their matches; approve or reject it, see the effect, undo it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.web.conftest import OpenPage
+from tests.web.served import Served
+
+LOOPS = "#/map/flat/loops"
+
+
+@pytest.fixture(scope="module")
+def own(finished_map: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A server of a copy that these tests may change."""
+    folder = tmp_path_factory.mktemp("own")
+    shutil.copy(finished_map, folder / "flat.db")
+    server = Served("serve", str(folder), "--port", "0")
+    yield server
+    server.close()
+
+
+def first_accepted(page: Page) -> str:
+    """Opens the first accepted loop; its key."""
+    page.get_by_role("row").filter(has_text="accepted").first.click()
+    expect(page).to_have_url(re.compile(r"/loops/\d+-\d+"))
+    return page.url.rsplit("/", 1)[1]
+
+
+def test_a_loop_shows_its_evidence(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, LOOPS)
+    from_id, to_id = first_accepted(page).split("-")
+    evidence = page.get_by_role("region", name=f"Link {from_id} to {to_id}")
+    expect(evidence.get_by_role("button", name=re.compile(r"^Inliers \d+"))).to_be_visible()
+    picture = evidence.get_by_role("img", name=f"Images of node {from_id} (left) and node {to_id} (right)")
+    greens = picture.evaluate(
+        """canvas => { const d = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+            let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i + 1] > d[i] + 60 && d[i + 1] > d[i + 2] + 40;
+            return n; }"""
+    )
+    assert greens > 100, "inlier lines are drawn"
+    for name in ("Inliers", "Sigma", "Residual", "Translation", "Rotation"):
+        expect(evidence.get_by_text(name, exact=True)).to_be_visible()
+    expect(evidence.locator("#why")).to_contain_text("Vis/MinInliers")
+
+
+def test_keys_walk_through_the_queue(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, LOOPS)
+    expect(page.get_by_role("row").nth(1)).to_be_visible()
+    page.keyboard.press("j")
+    expect(page).to_have_url(re.compile(r"/loops/\d+-\d+"))
+    first = page.url
+    page.keyboard.press("j")
+    expect(page).not_to_have_url(first)
+    page.keyboard.press("k")
+    expect(page).to_have_url(first)
+
+
+def test_filters_and_order(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, LOOPS)
+    rows = page.get_by_role("table", name="Loop closures").get_by_role("row")
+    expect(rows.nth(1)).to_be_visible()
+    page.get_by_label("Type").select_option("GlobalClosure")
+    expect(rows.filter(has_text="proximity")).to_have_count(0)
+    page.get_by_label("Least inliers").select_option("80")
+    page.get_by_role("button", name="Inliers", exact=True).click()
+    shown = [int(text.split("/")[0]) for text in page.locator(".table-row .cell:nth-child(5)").all_inner_texts()]
+    assert shown == sorted(shown, reverse=True)
+    assert min(shown) >= 80
+
+
+def test_reject_shows_the_effect_and_undo_takes_it_back(own: Served, open_page: OpenPage) -> None:
+    page = open_page(own, LOOPS)
+    key = first_accepted(page)
+    name = " → ".join(key.split("-"))
+    row = page.get_by_role("row", selected=True)
+    page.keyboard.press("r")
+    effect = page.locator("#effect")
+    expect(effect).to_contain_text(f"Rejected {name}", timeout=15_000)
+    expect(effect).to_contain_text(re.compile(r"χ² [\d.]+ → [\d.]+"))
+    expect(effect).to_contain_text(re.compile(r"moved \d+ poses?"))
+    expect(effect).to_contain_text("ATE")
+    expect(row).to_contain_text("rejected")
+    page.keyboard.press("u")
+    expect(effect).to_contain_text(f"Undid {name}", timeout=15_000)
+    expect(row).to_contain_text("accepted")
+    page.get_by_role("link", name="Journal").click()
+    entries = page.get_by_role("listitem").filter(has_text=name)
+    expect(entries.first).to_be_visible()
+    expect(page.locator(".undone")).to_contain_text("Rejected")
+
+
+def test_approve_by_button_is_journalled(own: Served, open_page: OpenPage) -> None:
+    page = open_page(own, LOOPS)
+    key = first_accepted(page)
+    page.locator("#approve").click()
+    expect(page.locator("#effect")).to_contain_text("Approved", timeout=15_000)
+    expect(page.get_by_role("row", selected=True)).to_contain_text("approved")
+    reopened = open_page(own, f"{LOOPS}/{key}")
+    expect(reopened.get_by_role("row", selected=True)).to_contain_text("approved")
+    reopened.keyboard.press("u")
+    expect(reopened.get_by_role("row", selected=True)).to_contain_text("accepted", timeout=15_000)

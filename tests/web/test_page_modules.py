@@ -1,0 +1,144 @@
+"""Laws of the page's own modules, in a real browser, without a server behind them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, Route
+
+WEB = Path(__file__).resolve().parents[2] / "web"
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Serves files without a word."""
+
+    def log_message(self, format: str, *args: object) -> None:  # the name is the base class's
+        """Nobody reads it."""
+
+
+@pytest.fixture(scope="module")
+def static_web() -> Iterator[str]:
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(WEB)))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_address[1]}/"
+    server.shutdown()
+    server.server_close()
+
+
+@pytest.fixture
+def modules(browser: Browser, static_web: str) -> Iterator[Page]:
+    """A page with the import map, in which nothing has started."""
+    page = browser.new_page()
+
+    def no_app(route: Route) -> None:
+        route.fulfill(body="", content_type="text/javascript")
+
+    page.route("**/app.js", no_app)
+    page.goto(static_web)
+    yield page
+    page.close()
+
+
+def call(page: Page, module: str, expression: str, argument: Any = None) -> Any:
+    """Value of an expression in which ``m`` is a module of the page and ``a`` the argument."""
+    return page.evaluate(f"async (a) => {{ const m = await import('./{module}'); return {expression}; }}", argument)
+
+
+@pytest.mark.parametrize(
+    "route",
+    [
+        {"map": "tour", "view": "loops", "key": "147-61", "query": {}},
+        {"map": "lab 3/été #1", "view": "nodes", "key": "12", "query": {}},
+        {"map": "a%b", "view": "stats", "key": None, "query": {"names": "Timing/Total/ms,Loop/Id/"}},
+        {"map": None, "view": "maps", "key": None, "query": {}},
+    ],
+)
+def test_a_link_reopens_what_it_names(modules: Page, route: dict[str, Any]) -> None:
+    parsed = call(
+        modules,
+        "router.js",
+        "(({query, ...rest}) => ({...rest, query: Object.fromEntries(query)}))(m.parse(m.link(a)))",
+        route,
+    )
+    assert parsed == route
+
+
+@pytest.mark.parametrize("text", ["", "#", "#/nowhere", "#/map", "#/map/tour/nowhere/5", "#/%E0%A4%A"])
+def test_any_address_leads_to_a_view(modules: Page, text: str) -> None:
+    parsed = call(modules, "router.js", "m.parse(a)", text)
+    assert parsed["view"] in ("maps", "loops")
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        {"type": "float", "minimum": 0, "maximum": 1, "default": 0.11, "value": 0.2},
+        {"type": "float", "minimum": 0, "maximum": None, "default": 0, "value": 700},
+        {"type": "int", "minimum": 1, "maximum": None, "default": 10, "value": 30},
+        {"type": "int", "minimum": 4, "maximum": None, "default": 20, "value": 5000},
+        {"type": "float", "minimum": 1e-6, "maximum": 1, "default": 0.001, "value": 0.001},
+    ],
+)
+def test_a_slider_reaches_bounds_and_the_value_in_force(modules: Page, entry: dict[str, Any]) -> None:
+    script = """(() => {
+      const r = m.sliderRange(a, a.value);
+      const steps = Array.from({length: r.steps + 1}, (_, i) => i);
+      return {values: steps.map(r.fromStep), back: steps.map(i => r.toStep(r.fromStep(i))), at: r.toStep(a.value)};
+    })()"""
+    found = call(modules, "parts/slider_range.js", script, entry)
+    values = found["values"]
+    assert values == sorted(values)
+    assert values[0] == pytest.approx(entry["minimum"], abs=1e-3)
+    assert entry["maximum"] is None or values[-1] == pytest.approx(entry["maximum"])
+    assert values[-1] >= entry["value"]
+    assert 0 <= found["at"] < len(values)
+    assert all(abs(step - back) <= 1 for step, back in enumerate(found["back"]) if values.count(values[step]) == 1)
+    if entry["type"] == "int":
+        assert all(float(value).is_integer() for value in values)
+
+
+@pytest.mark.parametrize(
+    ("metres", "text"), [(None, "—"), (0.0041, "4.1 mm"), (-0.0041, "−4.1 mm"), (0.041, "4.1 cm"), (12.3456, "12.35 m")]
+)
+def test_lengths_have_the_unit_that_suits_them(modules: Page, metres: float | None, text: str) -> None:
+    assert call(modules, "format.js", "m.length(a)", metres) == text
+
+
+def test_angles_of_a_known_rotation(modules: Page) -> None:
+    quarter_about_z = [0, 0, 0, 0, 0, 0.5**0.5, 0.5**0.5]
+    assert call(modules, "parts/pose.js", "m.rollPitchYaw(a)", quarter_about_z) == pytest.approx([0, 0, 90])
+
+
+def test_columns_grow_by_what_is_new_and_stay_in_step(modules: Page) -> None:
+    """Rows arrive while a column is being added: every column ends with the same rows, none twice."""
+    asked: list[str] = []
+    rows = 5
+
+    def answer(route: Route) -> None:
+        nonlocal rows
+        query = route.request.url.split("?")[1]
+        asked.append(query)
+        after = int(query.split("after=")[1])
+        ids = list(range(after + 1, rows + 1))
+        rows += 1
+        names = query.split("names=")[1].split("&")[0].split("%2C")
+        route.fulfill(json={"ids": ids, "stamps": ids, "values": dict.fromkeys(names, ids)})
+
+    modules.route("**/api/maps/tour/statistics*", answer)
+    script = """(async () => {
+      const columns = new m.Columns("tour");
+      columns.want(["one"]); await columns.queue;
+      columns.pull(); columns.want(["two"]); await columns.queue;
+      columns.pull(); await columns.queue;
+      return [columns.ids, columns.column("one"), columns.column("two"), columns.last("two")];
+    })()"""
+    ids, one, two, last = call(modules, "columns.js", script)
+    assert ids == one == two == list(range(1, len(ids) + 1))
+    assert last == ids[-1]
+    assert "after=0" not in asked[-1], "only what is new is fetched"

@@ -1,0 +1,83 @@
+"""Pick a node in the table and see its images, key points and statistics."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+from tests.web.conftest import OpenPage
+from tests.web.served import Served
+
+NODES = "#/map/flat/nodes"
+
+
+def painted(page: Page, label: str) -> int:
+    """How many colours a canvas shows."""
+    return int(
+        page.get_by_role("img", name=label).evaluate(
+            """canvas => new Set(new Uint32Array(
+                canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size"""
+        )
+    )
+
+
+def test_a_row_opens_the_node_with_images_and_figures(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, NODES)
+    page.get_by_role("row").filter(has_text=re.compile(r"^7")).click()
+    expect(page).to_have_url(re.compile(r"#/map/flat/nodes/7$"))
+    inspector = page.get_by_role("region", name="Node 7")
+    expect(inspector.get_by_text(re.compile(r"\d+ words"))).to_be_visible()
+    page.wait_for_timeout(500)
+    assert painted(page, "Colour image of node 7") > 500
+    assert painted(page, "Depth image of node 7") > 20
+    expect(inspector.get_by_role("row", name="Odometry")).to_contain_text("m")
+    expect(inspector.get_by_role("link", name="node 6")).to_be_visible()
+    inspector.get_by_text("Statistics of its update").click()
+    inspector.get_by_role("searchbox", name="Find a statistic").fill("Odometry/Inliers")
+    expect(inspector.get_by_role("row", name="Odometry/Inliers/")).to_contain_text(re.compile(r"\d"))
+
+
+def test_key_points_can_be_switched_off(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, f"{NODES}/7")
+    toggle = page.get_by_role("button", name="Key points")
+    expect(page.get_by_text(re.compile(r"\d+ words"))).to_be_visible()
+    shot = page.get_by_role("img", name="Colour image of node 7")
+    with_points = shot.screenshot()
+    toggle.click()
+    expect(toggle).to_have_attribute("aria-pressed", "false")
+    page.wait_for_timeout(300)
+    assert shot.screenshot() != with_points
+
+
+def test_images_open_as_large_as_the_window(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, f"{NODES}/7")
+    page.get_by_role("button", name="Colour image of node 7").click()
+    dialog = page.get_by_role("dialog", name="Node 7, colour")
+    box = dialog.bounding_box()
+    assert box is not None
+    assert box["width"] > 1000
+    page.keyboard.press("Escape")
+    expect(dialog).to_be_hidden()
+
+
+def test_the_table_sorts_searches_and_follows_the_keys(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, NODES)
+    rows = page.get_by_role("table", name="Nodes").get_by_role("row")
+    page.get_by_role("button", name="Node", exact=True).click()
+    expect(page.get_by_role("columnheader", name="Node")).to_have_attribute("aria-sort", "descending")
+    page.get_by_role("button", name="Node", exact=True).click()
+    expect(rows.nth(1)).to_contain_text(re.compile(r"^1"))
+    page.get_by_role("rowgroup").focus()
+    page.keyboard.press("End")
+    expect(page).to_have_url(re.compile(r"/nodes/\d\d+$"))
+    page.keyboard.press("k")
+    last = int(page.url.rsplit("/", 1)[1])
+    expect(page.get_by_role("row", selected=True)).to_contain_text(str(last))
+    page.get_by_role("searchbox", name="Find nodes by id or label").fill("12")
+    expect(rows.nth(1)).to_contain_text("12")
+
+
+def test_a_node_that_is_not_there_says_which_are(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, f"{NODES}/99999")
+    expect(page.get_by_role("alert")).to_contain_text("99999")

@@ -1,0 +1,123 @@
+"""See the graph in 3D, switch its layers, and click a node or a link in it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from playwright.sync_api import Page, expect
+
+from server.scene.colours import DARK
+from tests.web.conftest import OpenPage
+from tests.web.served import Served
+
+#: Rendering without a graphics card takes its time.
+SLOW = 60_000
+
+
+@pytest.fixture(scope="module")
+def viewed(finished_map: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A server of a copy, whose 3D view these tests may change."""
+    folder = tmp_path_factory.mktemp("viewed")
+    shutil.copy(finished_map, folder / "flat.db")
+    server = Served("serve", str(folder), "--port", "0")
+    yield server
+    server.close()
+
+
+def seen(page: Page) -> NDArray[np.uint8]:
+    """What the 3D view shows, BGR, without the bars that lie over it."""
+    page.add_style_tag(content=".scene-bar, .legend { visibility: hidden; }")
+    data = np.frombuffer(page.locator("iframe.scene-frame").screenshot(timeout=SLOW), dtype=np.uint8)
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR), dtype=np.uint8)
+
+
+def near(image: NDArray[np.uint8], rgb: tuple[int, int, int], tolerance: int = 40) -> NDArray[np.bool_]:
+    """Pixels of about this colour; lit surfaces are a little darker or lighter."""
+    return np.asarray(np.abs(image.astype(int) - np.array(rgb[::-1])).max(axis=2) <= tolerance)
+
+
+def wait_for_picture(page: Page, colour: tuple[int, int, int]) -> NDArray[np.uint8]:
+    for _ in range(30):
+        image = seen(page)
+        if near(image, colour).sum() > 30:
+            return image
+        page.wait_for_timeout(1000)
+    raise AssertionError("nothing of that colour in the 3D view")
+
+
+def test_the_graph_is_there_and_layers_switch(viewed: Served, open_page: OpenPage) -> None:
+    page = open_page(viewed, "#/map/flat/loops", in_3d=True)
+    image = wait_for_picture(page, DARK.wm)
+    assert near(image, DARK.loop).sum() > 30, "loop links stand out"
+    legend = page.get_by_role("list", name="Legend")
+    expect(legend).to_contain_text(re.compile(r"WM \d+"))
+    cloud = page.get_by_role("button", name="Cloud", exact=True)
+    assert cloud.get_attribute("aria-pressed") == "true"
+    colours_with = len(np.unique(image.reshape(-1, 3), axis=0))
+    cloud.dispatch_event("click")
+    expect(cloud).to_have_attribute("aria-pressed", "false")
+    page.wait_for_timeout(2000)
+    without = seen(page)
+    assert len(np.unique(without.reshape(-1, 3), axis=0)) < 0.7 * colours_with
+    grid = page.get_by_role("button", name="Grid", exact=True)
+    grid.dispatch_event("click")
+    expect(grid).to_have_attribute("aria-pressed", "true")
+    page.wait_for_timeout(2000)
+    assert (seen(page) != without).any(axis=2).mean() > 0.02, "the grid covers floor"
+
+
+def click_colour(page: Page, rgb: tuple[int, int, int], reached: re.Pattern[str]) -> None:
+    """Clicks pixels of a colour until the page goes where it should."""
+    image = wait_for_picture(page, rgb)
+    box = page.locator("iframe.scene-frame").bounding_box()
+    assert box
+    kernel = np.ones((3, 3), np.uint8)
+    inner = cv2.erode(near(image, rgb).astype(np.uint8), kernel) if rgb == DARK.wm else near(image, rgb)
+    ys, xs = np.nonzero(inner)
+    for i in np.linspace(0, len(xs) - 1, 12).astype(int):
+        page.mouse.click(box["x"] + float(xs[i]), box["y"] + float(ys[i]))
+        page.wait_for_timeout(1500)
+        if reached.search(page.url):
+            return
+    raise AssertionError(f"no click reached {reached.pattern}")
+
+
+def without_cloud(page: Page) -> None:
+    cloud = page.get_by_role("button", name="Cloud", exact=True)
+    expect(cloud).to_be_enabled(timeout=SLOW)
+    if cloud.get_attribute("aria-pressed") == "true":
+        cloud.click()
+    expect(cloud).to_have_attribute("aria-pressed", "false")
+
+
+def test_a_click_on_a_node_opens_it(viewed: Served, open_page: OpenPage) -> None:
+    page = open_page(viewed, "#/map/flat/stats", in_3d=True)
+    without_cloud(page)
+    click_colour(page, DARK.wm, re.compile(r"/nodes/\d+"))
+    expect(page.get_by_role("region", name=re.compile(r"Node \d+"))).to_be_visible()
+
+
+def test_a_click_on_a_loop_link_opens_its_evidence(viewed: Served, open_page: OpenPage) -> None:
+    page = open_page(viewed, "#/map/flat/stats", in_3d=True)
+    without_cloud(page)
+    click_colour(page, DARK.loop, re.compile(r"/loops/\d+-\d+"))
+    expect(page.get_by_role("region", name=re.compile(r"Link \d+ to \d+"))).to_be_visible()
+
+
+def test_what_is_chosen_in_a_table_is_marked_in_3d(viewed: Served, open_page: OpenPage) -> None:
+    page = open_page(viewed, "#/map/flat/nodes", in_3d=True)
+    without_cloud(page)
+    before = wait_for_picture(page, DARK.wm)
+    page.get_by_role("row").nth(4).click()
+    for _ in range(20):
+        page.wait_for_timeout(1000)
+        if near(seen(page), DARK.selected).sum() > near(before, DARK.selected).sum() + 10:
+            return
+    raise AssertionError("nothing is marked in the 3D view")

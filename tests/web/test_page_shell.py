@@ -1,0 +1,111 @@
+"""The frame of the page: maps, links that reopen views, palette, theme, sizes."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.web.conftest import OpenPage
+from tests.web.served import Served
+
+
+def test_the_list_opens_a_map_and_names_what_is_wrong_with_a_broken_one(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library)
+    broken = page.get_by_role("listitem").filter(has_text="broken")
+    expect(broken).to_contain_text(re.compile("SQLite|database", re.I))
+    card = page.get_by_role("link", name=re.compile("flat"))
+    expect(card).to_contain_text(re.compile(r"\d+ nodes"))
+    expect(card.locator("img")).to_be_visible()
+    card.click()
+    expect(page).to_have_url(re.compile(r"#/map/flat/loops$"))
+    expect(page.locator(".switcher")).to_contain_text("flat")
+
+
+@pytest.mark.parametrize(
+    ("place", "heading"),
+    [
+        ("nodes/3", "Node 3"),
+        ("loops", "Loop closures"),
+        ("params?q=Vis", "Parameters"),
+        ("stats", "Statistics"),
+        ("maps", "Maps"),
+    ],
+)
+def test_every_view_reopens_from_its_link(library: Served, open_page: OpenPage, place: str, heading: str) -> None:
+    page = open_page(library, f"#/map/flat/{place}")
+    expect(page.get_by_role("heading", name=heading, exact=True)).to_be_visible()
+
+
+def test_the_3d_view_stays_while_views_change(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/loops", in_3d=True)
+    frame = page.locator("iframe.scene-frame")
+    expect(frame).to_be_attached()
+    frame.evaluate("frame => { frame.contentWindow.mark = 1; }")
+    page.wait_for_timeout(3000)
+    frame.evaluate("frame => { frame.contentWindow.mark = 1; }")
+    for key in "24513":
+        page.keyboard.press(key)
+        page.wait_for_timeout(200)
+    assert frame.evaluate("frame => frame.contentWindow.mark") == 1
+
+
+def test_the_palette_goes_to_nodes_views_and_parameters(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/loops")
+    page.keyboard.press("Control+k")
+    page.get_by_role("combobox", name="Search or command").fill("12")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile(r"nodes/12$"))
+    page.keyboard.press("Control+k")
+    page.get_by_role("combobox", name="Search or command").fill("mininliers")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile(r"params\?q=Vis"))
+    expect(page.get_by_label("Vis/MinInliers", exact=True)).to_be_visible()
+
+
+def test_the_theme_follows_the_system_and_the_person(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/loops", "light")
+    root = page.locator("html")
+    expect(root).to_have_attribute("data-theme", "light")
+    page.keyboard.press("t")
+    expect(root).to_have_attribute("data-theme", "dark")
+    page.reload()
+    expect(root).to_have_attribute("data-theme", "dark")
+
+
+def test_sizes_are_remembered(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/loops")
+    panel = page.get_by_role("main")
+    before = panel.bounding_box()
+    page.get_by_role("separator", name="Width of the panel").focus()
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("ArrowLeft")
+    after = panel.bounding_box()
+    assert before and after
+    assert after["width"] == before["width"] + 32
+    page.reload()
+    expect(page.get_by_role("row").nth(1)).to_be_visible()
+    again = panel.bounding_box()
+    assert again
+    assert again["width"] == after["width"]
+
+
+def test_statistics_can_be_added_and_lead_to_their_node(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/stats?names=Timing/Total/ms")
+    picker = page.get_by_role("combobox", name="Find a statistic")
+    picker.fill("inliers")
+    page.get_by_role("checkbox", name="Odometry/Inliers/").check()
+    page.keyboard.press("Escape")
+    expect(page.locator(".stat-chart")).to_have_count(2)
+    expect(page).to_have_url(re.compile("Odometry"))
+    page.locator(".stat-chart .u-over").last.click(position={"x": 150, "y": 30})
+    expect(page).to_have_url(re.compile(r"/nodes/\d+$"))
+
+
+def test_without_the_token_nobody_gets_in(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library)
+    page.context.clear_cookies()
+    response = page.goto(library.base)
+    assert response is not None
+    assert response.status in (401, 403)

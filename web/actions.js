@@ -1,0 +1,83 @@
+// What a person can make the server do; each failure becomes one message on the page.
+import { signal } from "@preact/signals";
+import { patch, post } from "./api.js";
+import { graphRevision, loadInfo, parameters, scene, session } from "./store.js";
+import { openMapId } from "./router.js";
+
+/** @typedef {import("./types/http").Schemas} Schemas */
+/** @typedef {{id: number, kind: "bad" | "good", text: string}} Toast */
+
+/** @type {import("@preact/signals").Signal<Toast[]>} */
+export const toasts = signal([]);
+/** @type {import("@preact/signals").Signal<Schemas["DecisionResult"] | null>} what the last decision did */
+export const lastDecision = signal(null);
+
+let toastCount = 0;
+
+/** @param {string} text @param {Toast["kind"]} [kind] */
+export function say(text, kind = "bad") {
+  const id = ++toastCount;
+  toasts.value = [...toasts.value, { id, kind, text }];
+  setTimeout(() => dismiss(id), kind === "bad" ? 8000 : 4000);
+}
+
+/** @param {number} id */
+export function dismiss(id) {
+  toasts.value = toasts.value.filter((toast) => toast.id !== id);
+}
+
+/**
+ * @template T
+ * @param {Promise<T>} work
+ * @returns {Promise<T | null>} null when it failed, and that was said
+ */
+async function told(work) {
+  try {
+    return await work;
+  } catch (error) {
+    say(/** @type {Error} */ (error).message);
+    return null;
+  }
+}
+
+/** @param {"pause" | "resume" | "step" | "stop"} command */
+export async function command(command) {
+  const answer = await told(post("/api/session/{command}", { path: { command }, body: undefined }));
+  if (answer) session.value = answer;
+}
+
+/** @param {Schemas["StartRun"]} run */
+export async function startRun(run) {
+  const answer = await told(post("/api/session", { body: run }));
+  if (answer) session.value = answer;
+  return answer;
+}
+
+/** @param {Schemas["SceneChange"]} change */
+export async function setScene(change) {
+  const map = openMapId.value;
+  if (!map) return;
+  const answer = await told(patch("/api/scene/{map}", { path: { map }, body: change }));
+  if (answer && map === openMapId.value) scene.value = answer;
+}
+
+/** @param {Record<string, boolean | number | string>} changes */
+export async function setParameters(changes) {
+  const map = openMapId.value;
+  if (!map) return null;
+  const answer = await told(patch("/api/maps/{map}/parameters", { path: { map }, body: { changes } }));
+  if (answer && map === openMapId.value) parameters.value = answer;
+  return answer;
+}
+
+/** @param {Schemas["Decision"]} decision */
+export async function decide(decision) {
+  const map = openMapId.value;
+  if (!map) return null;
+  const answer = await told(post("/api/maps/{map}/decisions", { path: { map }, body: decision }));
+  if (!answer || map !== openMapId.value) return null;
+  lastDecision.value = answer;
+  graphRevision.value += 1;
+  void loadInfo();
+  return answer;
+}

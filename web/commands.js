@@ -1,0 +1,118 @@
+// All that the command palette can find.
+import { command, setScene } from "./actions.js";
+import { address } from "./api.js";
+import * as text from "./format.js";
+import { showHelp } from "./parts/help.js";
+import { ENTRIES } from "./parts/rail.js";
+import { go, openMapId } from "./router.js";
+import { maps, parameters, scene, session } from "./store.js";
+import { toggleTheme } from "./theme.js";
+
+/** @typedef {{kind: string, label: string, detail: string, run: () => void}} Command */
+
+const MOST = 40;
+
+/**
+ * Commands that hold every word of the query, those that start with it first; ``map: lab`` looks among maps only.
+ * @param {string} query
+ * @returns {Command[]}
+ */
+export function findCommands(query) {
+  const [, only, rest] = /^\s*(?:([a-z]+):)?(.*)$/.exec(query.toLowerCase()) ?? ["", undefined, ""];
+  const words = rest.split(/\s+/).filter(Boolean);
+  const whole = words.join(" ");
+  const rank = (/** @type {Command} */ one) => (one.label.toLowerCase().startsWith(whole) ? 0 : 1);
+  const matching = everything().filter(({ kind, label, detail }) => {
+    if (only && kind !== only) return false;
+    const all = `${kind} ${label} ${detail}`.toLowerCase();
+    return words.every((word) => all.includes(word));
+  });
+  return [...byNumber(query), ...matching.sort((a, b) => rank(a) - rank(b))].slice(0, MOST);
+}
+
+/** @param {string} query a node's id or a pair of them @returns {Command[]} */
+function byNumber(query) {
+  const ids = /^\s*(\d+)(?:\s*(?:-|→|to)\s*(\d+))?\s*$/.exec(query);
+  if (!ids || !openMapId.value) return [];
+  const [, one, other] = ids;
+  if (other) return [{ kind: "link", label: `Link ${one} → ${other}`, detail: "", run: () => go({ view: "loops", key: `${one}-${other}` }) }];
+  return [{ kind: "node", label: `Node ${one}`, detail: "", run: () => go({ view: "nodes", key: one }) }];
+}
+
+/** @returns {Command[]} */
+function everything() {
+  return [...viewCommands(), ...runCommands(), ...layerCommands(), ...mapCommands(), ...parameterCommands(), ...exportCommands(), ...pageCommands()];
+}
+
+/** @returns {Command[]} */
+function viewCommands() {
+  return ENTRIES.filter(({ view }) => openMapId.value || view === "maps").map(({ view, label, keys }) => ({
+    kind: "view",
+    label,
+    detail: keys,
+    run: () => go({ view }),
+  }));
+}
+
+/** @returns {Command[]} */
+function runCommands() {
+  const state = session.value?.state;
+  const paused = state === "paused";
+  if (state !== "running" && !paused) return [];
+  return [
+    { kind: "run", label: paused ? "Resume" : "Pause", detail: "Space", run: () => void command(paused ? "resume" : "pause") },
+    { kind: "run", label: "Step", detail: ".", run: () => void command("step") },
+    { kind: "run", label: "Stop", detail: "", run: () => void command("stop") },
+  ];
+}
+
+/** @returns {Command[]} */
+function layerCommands() {
+  const layers = Object.entries(scene.value?.layers ?? {});
+  return layers.map(([layer, on]) => ({
+    kind: "layer",
+    label: `${on ? "Hide" : "Show"} ${layer}`,
+    detail: "3D view",
+    run: () => void setScene({ layers: { [layer]: !on } }),
+  }));
+}
+
+/** @returns {Command[]} */
+function mapCommands() {
+  return (maps.value ?? []).map(({ id, nodes, loops, live }) => ({
+    kind: "map",
+    label: id,
+    detail: live ? "live" : `${text.plural(nodes, "node")}, ${text.plural(loops, "loop")}`,
+    run: () => go({ map: id, view: "loops" }),
+  }));
+}
+
+/** @returns {Command[]} */
+function parameterCommands() {
+  return (parameters.value?.parameters ?? []).map(({ name, value, unit }) => ({
+    kind: "parameter",
+    label: name,
+    detail: `${value} ${unit}`.trim(),
+    run: () => go({ view: "params", query: { q: name } }),
+  }));
+}
+
+/** @returns {Command[]} */
+function exportCommands() {
+  const map = openMapId.value;
+  if (!map) return [];
+  return ["tum", "kitti", "g2o"].map((format) => ({
+    kind: "export",
+    label: `Export poses as ${format}`,
+    detail: map,
+    run: () => location.assign(`${address("api", "maps", map, "export", "poses")}?format=${format}`),
+  }));
+}
+
+/** @returns {Command[]} */
+function pageCommands() {
+  return [
+    { kind: "page", label: "Change theme", detail: "T", run: toggleTheme },
+    { kind: "page", label: "Keyboard shortcuts", detail: "?", run: showHelp },
+  ];
+}

@@ -1,0 +1,61 @@
+// A canvas as wide as its place, in the device's own pixels, drawn anew when its size or its content changes.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { html } from "../html.js";
+
+/** @typedef {(ctx: CanvasRenderingContext2D, width: number, height: number) => void} Draw in CSS pixels */
+
+/**
+ * @typedef {object} CanvasProps
+ * @property {string} label what it shows, for screen readers
+ * @property {number} aspect width / height
+ * @property {Draw} draw
+ * @property {unknown[]} dependencies draw again when one changes
+ */
+
+/** @param {CanvasProps} props */
+export function Canvas({ label, aspect, draw, dependencies }) {
+  const canvas = useRef(/** @type {HTMLCanvasElement | null} */ (null));
+  const [width, setWidth] = useState(0);
+  useEffect(() => {
+    const box = canvas.current?.parentElement;
+    if (!box) return undefined;
+    const observer = new ResizeObserver(() => setWidth(box.clientWidth));
+    observer.observe(box);
+    return () => observer.disconnect();
+  }, []);
+  useEffect(() => {
+    if (canvas.current && width > 0) paint(canvas.current, width, Math.round(width / aspect), draw);
+  }, [width, aspect, ...dependencies]);
+  return html`<canvas ref=${canvas} role="img" aria-label=${label}></canvas>`;
+}
+
+/** @param {HTMLCanvasElement} canvas @param {number} width @param {number} height @param {Draw} draw */
+function paint(canvas, width, height, draw) {
+  const scale = devicePixelRatio;
+  canvas.width = Math.round(width * scale);
+  canvas.height = Math.round(height * scale);
+  canvas.style.width = `${width}px`;
+  canvas.style.height = `${height}px`;
+  const ctx = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  ctx.scale(scale, scale);
+  draw(ctx, width, height);
+}
+
+/**
+ * An image once it is here; null until then, and when there is none.
+ * @param {string | null} source
+ */
+export function useImage(source) {
+  const [image, setImage] = useState(/** @type {HTMLImageElement | null} */ (null));
+  const [missing, setMissing] = useState(false);
+  useEffect(() => {
+    if (!source) return undefined;
+    const made = new Image();
+    let wanted = true;
+    made.onload = () => wanted && (setImage(made), setMissing(false));
+    made.onerror = () => wanted && (setImage(null), setMissing(true));
+    made.src = source;
+    return () => void (wanted = false);
+  }, [source]);
+  return { image, missing };
+}

@@ -1,0 +1,200 @@
+// One uPlot chart over node ids, with threshold lines and marks; all charts share one cursor.
+import { useEffect, useRef, useState } from "preact/hooks";
+import uPlot from "uplot";
+import { html } from "../html.js";
+import { color, theme } from "../theme.js";
+
+/** @typedef {(number | null)[]} Column */
+/**
+ * @typedef {object} Line
+ * @property {string} label
+ * @property {string} token colour of tokens.css
+ * @property {"line" | "area" | "bars"} [kind]
+ * @property {(value: number | null) => string} [text]
+ */
+/** @typedef {{value: number, token: string}} Threshold */
+/** @typedef {{at: number, height: number}} Mark a loop, at x, with the hypothesis that led to it; 0 for a proximity one */
+/**
+ * @typedef {object} ChartProps
+ * @property {string} label for screen readers
+ * @property {Line[]} lines
+ * @property {Column} x
+ * @property {Column[]} columns one for each line
+ * @property {number} revision grows when the columns changed in place
+ * @property {Threshold[]} [thresholds]
+ * @property {Mark[]} [marks] small triangles at the top
+ * @property {boolean} [stems] a stem as high as its value under each mark
+ * @property {boolean} [time] x is seconds, not ids
+ * @property {boolean} [fromZero]
+ * @property {(index: number) => void} [onPick] a click on a row
+ * @property {(index: number | null) => void} [onCursor]
+ */
+
+const CURSOR = "slamdeck";
+
+/** @param {ChartProps} props */
+export function Chart(props) {
+  const box = useRef(/** @type {HTMLDivElement | null} */ (null));
+  const plot = useRef(/** @type {uPlot | null} */ (null));
+  const latest = useRef(props);
+  const [zoomed, setZoomed] = useState(false);
+  latest.current = props;
+  const shape = `${theme.value} ${props.time} ${props.lines.map((line) => line.label + line.kind).join()}`;
+
+  useEffect(() => {
+    if (!box.current) return undefined;
+    const made = new uPlot(options(box.current, latest, setZoomed), data(props), box.current);
+    plot.current = made;
+    const observer = new ResizeObserver(() => box.current && made.setSize(room(box.current)));
+    observer.observe(box.current);
+    return () => (observer.disconnect(), made.destroy());
+  }, [shape]);
+
+  const guides = JSON.stringify([props.thresholds, props.marks?.length]);
+  useEffect(() => void (plot.current && feed(plot.current, props, zoomed)), [props.revision, props.x, shape, guides]);
+  return html`<div class="chart" ref=${box} role="img" aria-label=${props.label}></div>`;
+}
+
+/** @param {ChartProps} props @returns {uPlot.AlignedData} */
+function data({ x, columns }) {
+  return /** @type {uPlot.AlignedData} */ ([x, ...columns.map((column) => (column.length ? column : x.map(() => null)))]);
+}
+
+/** Keeps the part that somebody zoomed into. @param {uPlot} u @param {ChartProps} props @param {boolean} zoomed */
+function feed(u, props, zoomed) {
+  u.setData(data(props), !zoomed);
+  if (zoomed) u.redraw();
+}
+
+/** @param {HTMLElement} box */
+function room(box) {
+  return { width: Math.max(80, box.clientWidth), height: Math.max(40, box.clientHeight) };
+}
+
+/**
+ * @param {HTMLElement} box
+ * @param {{current: ChartProps}} latest
+ * @param {(zoomed: boolean) => void} setZoomed
+ * @returns {uPlot.Options}
+ */
+function options(box, latest, setZoomed) {
+  const { lines, time = false, fromZero = true } = latest.current;
+  const axis = { stroke: color("ink-3"), font: '10px system-ui, "DejaVu Sans", sans-serif' };
+  const grid = { stroke: color("line"), width: 1 };
+  return {
+    ...room(box),
+    padding: [6, 8, 0, 0],
+    legend: { show: false },
+    cursor: { sync: { key: CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
+    scales: { x: { time: false }, y: { range: (_, low, high) => yRange(low, high, fromZero, latest.current) } },
+    axes: [
+      { ...axis, size: 18, gap: 2, grid: { show: false }, ticks: { show: false }, values: time ? seconds : undefined },
+      { ...axis, size: 38, gap: 3, grid, ticks: { show: false }, splits: fewSplits },
+    ],
+    series: [{}, ...lines.map(series)],
+    hooks: {
+      draw: [(u) => drawGuides(u, latest.current)],
+      setCursor: [(u) => latest.current.onCursor?.(u.cursor.idx ?? null)],
+      setSelect: [(u) => setZoomed(u.select.width > 0)],
+      ready: [(u) => listen(u, latest, setZoomed)],
+    },
+  };
+}
+
+/** @param {Line} line @returns {uPlot.Series} */
+function series({ label, token, kind = "line" }) {
+  const stroke = color(token);
+  const soft = `color-mix(in srgb, ${stroke} ${kind === "area" ? 22 : 80}%, transparent)`;
+  const paths = kind === "bars" ? uPlot.paths.bars?.({ size: [0.8, 6, 1] }) : undefined;
+  const fill = kind === "line" ? undefined : soft;
+  return { label, stroke, fill, paths, width: kind === "bars" ? 0 : 1.25, points: { show: false }, spanGaps: true };
+}
+
+/** @param {number | null} low @param {number | null} high @param {boolean} fromZero @param {ChartProps} props */
+function yRange(low, high, fromZero, { thresholds = [] }) {
+  const values = [low ?? NaN, high ?? NaN, ...thresholds.map((one) => one.value)].filter(Number.isFinite);
+  const top = Math.max(...values, fromZero ? 0 : -Infinity);
+  const bottom = fromZero ? Math.min(0, ...values) : Math.min(...values);
+  if (!Number.isFinite(top) || top === bottom) return /** @type {[number, number]} */ ([bottom || 0, (bottom || 0) + 1]);
+  const air = (top - bottom) * 0.08;
+  return /** @type {[number, number]} */ ([fromZero && bottom === 0 ? 0 : bottom - air, top + air]);
+}
+
+/** Two or three lines say enough in a small chart. @param {uPlot} _ @param {number} __ @param {number} low @param {number} high */
+function fewSplits(_, __, low, high) {
+  const raw = (high - low) / 3;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((n) => n * power).find((n) => n >= raw) ?? raw;
+  const splits = [];
+  for (let at = Math.ceil(low / step) * step; at <= high; at += step) splits.push(Number(at.toPrecision(12)));
+  return splits;
+}
+
+/** @param {uPlot} _ @param {number[]} splits */
+function seconds(_, splits) {
+  return splits.map((at) => (Math.abs(at) >= 120 ? `${Math.floor(at / 60)}:${String(at % 60).padStart(2, "0")}` : `${at} s`));
+}
+
+/** @param {uPlot} u @param {ChartProps} props */
+function drawGuides(u, { thresholds = [], marks = [], stems = false }) {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.strokeStyle = ctx.fillStyle = color("loop");
+  for (const mark of marks) drawMark(u, mark, stems);
+  for (const { value, token } of thresholds) drawThreshold(u, value, color(token));
+  ctx.restore();
+}
+
+/**
+ * Triangles while there is room for them, else ticks; stems never wider than half the way to the next one.
+ * @param {uPlot} u
+ * @param {Mark} mark
+ * @param {boolean} stem
+ */
+function drawMark(u, { at, height }, stem) {
+  const { ctx, bbox } = u;
+  const px = devicePixelRatio;
+  const x = u.valToPos(at, "x", true);
+  const apart = u.valToPos(at + 1, "x", true) - x;
+  const half = Math.max(0.5 * px, Math.min(3 * px, apart / 2));
+  ctx.globalAlpha = height ? 0.9 : 0.45;
+  ctx.beginPath();
+  ctx.moveTo(x - half, bbox.top);
+  ctx.lineTo(x + half, bbox.top);
+  ctx.lineTo(x, bbox.top + 5 * px);
+  ctx.fill();
+  if (stem && height) {
+    ctx.lineWidth = Math.max(0.5, Math.min(2 * px, apart / 2));
+    ctx.beginPath();
+    ctx.moveTo(x, u.valToPos(0, "y", true));
+    ctx.lineTo(x, u.valToPos(height, "y", true));
+    ctx.stroke();
+  }
+  ctx.globalAlpha = 1;
+}
+
+/** @param {uPlot} u @param {number} value @param {string} stroke */
+function drawThreshold({ ctx, bbox, valToPos }, value, stroke) {
+  const y = Math.round(valToPos(value, "y", true)) + 0.5;
+  ctx.strokeStyle = stroke;
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash([6, 5]);
+  ctx.beginPath();
+  ctx.moveTo(bbox.left, y);
+  ctx.lineTo(bbox.left + bbox.width, y);
+  ctx.stroke();
+}
+
+/** @param {uPlot} u @param {{current: ChartProps}} latest @param {(zoomed: boolean) => void} setZoomed */
+function listen(u, latest, setZoomed) {
+  let pressedAt = 0;
+  u.over.addEventListener("pointerdown", (event) => (pressedAt = event.clientX));
+  u.over.addEventListener("click", (event) => {
+    const dragged = Math.abs(event.clientX - pressedAt) > 3;
+    if (!dragged && u.cursor.idx !== null && u.cursor.idx !== undefined) latest.current.onPick?.(u.cursor.idx);
+  });
+  u.over.addEventListener("dblclick", () => setZoomed(false));
+}

@@ -1,0 +1,71 @@
+// What the colours of the 3D view mean, with counts.
+import { html } from "../html.js";
+import * as text from "../format.js";
+import { columns, info, scene } from "../store.js";
+
+/** @typedef {{token: string, label: string, kind?: "dot" | "line" | "dash"}} Entry */
+
+export const STM = "Memory/Short_time_memory_size/";
+export const WM = "Memory/Working_memory_size/";
+export const LTM = "Memory/Long_term_memory_size/";
+
+const LOOPS = /** @type {[string, string, string][]} */ ([
+  ["GlobalClosure", "loop", "loop"],
+  ["LocalSpaceClosure", "near", "proximity"],
+  ["UserClosure", "hand", "by hand"],
+]);
+
+export function Legend() {
+  const now = scene.value;
+  if (!now) return null;
+  const entries = [...(now.layers.graph ? graphEntries(now.colour) : []), ...pathEntries(now.layers)];
+  if (!entries.length) return null;
+  return html`<ul class="legend" aria-label="Legend">
+    ${entries.map(
+      ({ token, label, kind = "dot" }) =>
+        html`<li key=${label}><i class=${`mark mark-${kind} scene-${token}`} aria-hidden="true"></i>${label}</li>`,
+    )}
+  </ul>`;
+}
+
+/** @param {string} colour @returns {Entry[]} */
+function graphEntries(colour) {
+  const nodes = colour === "memory" ? memoryEntries() : rampEntries(colour);
+  return [...nodes, ...LOOPS.flatMap(([type, token, label]) => loopEntry(type, token, label))];
+}
+
+/** @param {string} type @param {string} token @param {string} label @returns {Entry[]} */
+function loopEntry(type, token, label) {
+  const count = info.value?.links[type] ?? 0;
+  return count ? [{ token, label: `${label} ${text.whole(count)}`, kind: "line" }] : [];
+}
+
+/** @returns {Entry[]} */
+function memoryEntries() {
+  void columns.value?.revision.value;
+  const stm = columns.value?.last(STM) ?? 0;
+  const wm = columns.value?.last(WM) ?? 0;
+  const ltm = Math.max(0, (info.value?.nodes ?? 0) - stm - wm);
+  return [
+    { token: "stm", label: `STM ${text.whole(stm)}` },
+    { token: "wm", label: `WM ${text.whole(wm)}` },
+    { token: "ltm", label: `LTM ${text.whole(ltm)}` },
+  ];
+}
+
+/** @param {string} colour @returns {Entry[]} */
+function rampEntries(colour) {
+  if (colour === "session") return [{ token: "wm", label: "one colour per session" }];
+  return [
+    { token: "low", label: colour === "time" ? "oldest" : "lightest" },
+    { token: "high", label: colour === "time" ? "newest" : "heaviest" },
+  ];
+}
+
+/** @param {{odometry: boolean, truth: boolean}} layers @returns {Entry[]} */
+function pathEntries({ odometry, truth }) {
+  return [
+    ...(odometry ? [/** @type {Entry} */ ({ token: "odom", label: "odometry", kind: "dash" })] : []),
+    ...(truth ? [/** @type {Entry} */ ({ token: "truth", label: "truth", kind: "line" })] : []),
+  ];
+}

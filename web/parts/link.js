@@ -1,0 +1,75 @@
+// The evidence of one link: both images with their matches, figures, why, and what to do about it.
+import { h, html } from "../html.js";
+import { get } from "../api.js";
+import * as text from "../format.js";
+import { link as linkTo } from "../router.js";
+import { graphRevision, inForce } from "../store.js";
+import { DecisionBar } from "./decision_bar.js";
+import { Facts } from "./facts.js";
+import { LinkName } from "./link_name.js";
+import { sigmaText } from "./loop_columns.js";
+import { MatchPicture } from "./matches.js";
+import { rotationText, translationText } from "./pose.js";
+import { Failed, Loading } from "./state.js";
+import { useChanged, useFetched } from "./use.js";
+
+/** @typedef {import("../store.js").Schemas["LinkDetail"]} LinkDetail */
+
+/**
+ * @typedef {object} EvidenceProps
+ * @property {string} map
+ * @property {string} link both ids, as 147-61
+ * @property {import("../loop_list.js").LoopRow} [row] its row in the queue
+ * @property {(by: number) => void} onStep
+ * @property {() => void} onDecided
+ * @property {unknown} [key]
+ */
+
+/** @param {EvidenceProps} props */
+export function LinkEvidence({ map, link, onStep, onDecided }) {
+  const [from, to] = link.split("-").map(Number);
+  const { data, error, reload } = useFetched(
+    (signal) => get("/api/maps/{map}/links/{from_id}/{to_id}", { path: { map, from_id: from, to_id: to }, signal }),
+    [map, from, to],
+  );
+  useChanged(graphRevision, reload, 300);
+  if (error.value) return h(Failed, { error: error.value, what: `Link ${from} → ${to} can't be shown.`, onRetry: reload });
+  const found = data.value;
+  const decided = () => (reload(), onDecided());
+  return html`<section class="evidence" aria-label=${`Link ${from} to ${to}`}>
+    <div class="evidence-body">${found ? details(map, found) : h(Loading, {})}</div>
+    ${h(DecisionBar, { from, to, state: found?.state ?? null, type: found?.type ?? null, onStep, onDecided: decided })}
+  </section>`;
+}
+
+/** @param {string} map @param {LinkDetail} found */
+function details(map, found) {
+  return html`${h(MatchPicture, { map, from: found.from, to: found.to })}
+    ${h(Facts, { facts: facts(found) })}
+    <p class=${`why why-${tone(found.state)}`} id="why">${found.explanation}</p>`;
+}
+
+/** @param {LinkDetail} found @returns {import("./facts.js").Fact[]} */
+function facts(found) {
+  const { from, to, type, transform, sigma_m: sigma, sigma_deg: sigmaDeg, posterior, inliers, matches } = found;
+  const node = (/** @type {number} */ id) => html`<a href=${linkTo({ view: "nodes", key: id })}>${id}</a>`;
+  const loopThr = Number(inForce("Rtabmap/LoopThr") ?? NaN);
+  const enough = posterior !== null && posterior >= loopThr ? "≥" : "<";
+  const chi2 = found.chi2 === null ? "" : ` · χ² ${sigmaText(found.chi2)}`;
+  return [
+    ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
+    ["P", posterior === null ? text.NONE : `${text.fixed(posterior)} ${enough} ${text.short(loopThr)} LoopThr`],
+    ["Inliers", matches === null || matches < 0 ? text.NONE : `${inliers} of ${matches}`],
+    ["Translation", transform ? translationText(transform) : text.NONE],
+    ["Sigma", sigma ? `${text.length(Math.max(...sigma))} · ${text.fixed(Math.max(...(sigmaDeg ?? [])), 2)} °` : text.NONE, "Largest of the three axes"],
+    ["Rotation", transform ? rotationText(transform) : text.NONE],
+    ["Residual", found.residual_sigma === null ? text.NONE : `${sigmaText(found.residual_sigma)} σ${chi2}`],
+    ["Distance", transform ? `${text.length(found.translation_m)} · ${text.fixed(found.rotation_deg, 1)} °` : text.NONE],
+  ];
+}
+
+/** @param {string | null} state */
+function tone(state) {
+  if (state === "refused" || state === "rejected") return "bad";
+  return state === "accepted" || state === "approved" || state === "added" ? "good" : "quiet";
+}

@@ -1,0 +1,95 @@
+// The inspector of one node: images, poses, links, statistics of its update.
+import { useState } from "preact/hooks";
+import { h, html } from "../html.js";
+import { get } from "../api.js";
+import * as text from "../format.js";
+import { link } from "../router.js";
+import { graphRevision } from "../store.js";
+import { Facts } from "./facts.js";
+import { NodeImages } from "./node_images.js";
+import { LinkName } from "./link_name.js";
+import { Poses } from "./pose.js";
+import { Failed, Loading } from "./state.js";
+import { useChanged, useFetched } from "./use.js";
+
+/** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
+
+/** @param {{map: string, id: number, key?: unknown}} props */
+export function NodeInspector({ map, id }) {
+  const { data, error, reload } = useFetched(
+    (signal) => get("/api/maps/{map}/nodes/{node_id}", { path: { map, node_id: id }, signal }),
+    [map, id],
+  );
+  useChanged(graphRevision, reload);
+  if (error.value) return h(Failed, { error: error.value, what: `Node ${id} can't be shown.`, onRetry: reload });
+  const node = data.value;
+  if (!node) return h(Loading, {});
+  return html`<section class="inspector" aria-label=${`Node ${id}`}>
+    <header class="inspector-head">
+      <h2>Node ${id}</h2>
+      <span class="quiet">${node.label}</span>
+    </header>
+    <div class="inspector-body">
+      ${h(NodeImages, { map, node })}
+      ${h(Facts, {
+        facts: [
+          ["Time", text.clock(node.stamp)],
+          ["Session", text.whole(node.map_id)],
+          ["Memory", node.tier?.toUpperCase() ?? text.NONE],
+          ["Weight", text.whole(node.weight)],
+          ["Features", text.whole(node.features)],
+          ["Words", text.whole(node.words)],
+        ],
+      })}
+      ${h(Poses, { rows: [["Map", node.pose], ["Odometry", node.odom], ["Truth", node.truth, "In the frame of the ground truth"]] })}
+      ${h(Links, { node })} ${h(Statistics, { values: node.statistics })}
+    </div>
+  </section>`;
+}
+
+/** @param {{node: NodeDetail}} props */
+function Links({ node }) {
+  if (!node.links.length) return html`<p class="quiet">No links: this node stands alone in the graph.</p>`;
+  return html`<section>
+    <h3>Links</h3>
+    <ul class="links">
+      ${node.links.map(({ from, to, type, translation_m }) => {
+        const other = from === node.id ? to : from;
+        return html`<li key=${`${from}-${to}-${type}`}>
+          <a href=${link({ view: "nodes", key: other })}>node ${other}</a>
+          ${h(LinkName, { type })}
+          <span class="quiet grow right">${text.length(translation_m)}</span>
+          <a href=${link({ view: "loops", key: `${from}-${to}` })} aria-label=${`Evidence of link ${from} to ${to}`}>evidence</a>
+        </li>`;
+      })}
+    </ul>
+  </section>`;
+}
+
+/** @param {{values: Record<string, number>}} props */
+function Statistics({ values }) {
+  const [query, setQuery] = useState("");
+  const names = Object.keys(values).filter((name) => name.toLowerCase().includes(query.toLowerCase()));
+  if (!Object.keys(values).length) return html`<p class="quiet">No statistics are stored with this node.</p>`;
+  return html`<details class="fold">
+    <summary>Statistics of its update <span class="quiet">${Object.keys(values).length}</span></summary>
+    <input
+      type="search"
+      class="field wide"
+      placeholder="Find a statistic"
+      aria-label="Find a statistic"
+      value=${query}
+      onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => setQuery(currentTarget.value)}
+    />
+    <table class="plain">
+      <tbody>
+        ${names.map(
+          (name) => html`<tr key=${name}>
+            <th scope="row"><a href=${link({ view: "stats", query: { names: name } })}>${name}</a></th>
+            <td class="right">${text.short(values[name])}</td>
+          </tr>`,
+        )}
+      </tbody>
+    </table>
+  </details>`;
+}

@@ -1,0 +1,41 @@
+// Colour and depth of a node side by side; each opens as large as the window.
+import { useState } from "preact/hooks";
+import { h, html } from "../html.js";
+import { address } from "../api.js";
+import { Canvas, useImage } from "./canvas.js";
+import { ColourPicture, KeyPointsToggle, useKeyPoints } from "./keypoints.js";
+import { Lightbox } from "./lightbox.js";
+
+/** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
+
+/** @param {{map: string, node: NodeDetail}} props */
+export function NodeImages({ map, node }) {
+  const [large, setLarge] = useState(/** @type {"colour" | "depth" | null} */ (null));
+  const features = useKeyPoints(map, node);
+  const colour = h(ColourPicture, { map, node, features });
+  const depth = h(DepthPicture, { map, node });
+  const close = () => setLarge(null);
+  return html`<figure class="picture">
+    <div class="pictures">
+      <button type="button" class="picture-large" title="Larger" onClick=${() => setLarge("colour")}>${colour}</button>
+      <button type="button" class="picture-large" title="Larger" onClick=${() => setLarge("depth")}>${depth}</button>
+    </div>
+    <figcaption class="picture-bar">
+      ${h(KeyPointsToggle, { node, features })}
+      <span class="quiet small grow right">${node.has_depth ? "depth from near (blue) to far (red)" : ""}</span>
+    </figcaption>
+    ${large && h(Lightbox, { title: `Node ${node.id}, ${large}`, close, children: large === "colour" ? colour : depth })}
+  </figure>`;
+}
+
+/** @param {{map: string, node: NodeDetail}} props */
+function DepthPicture({ map, node }) {
+  const { image, missing } = useImage(node.has_depth ? address("api", "maps", map, "nodes", node.id, "depth.png") : null);
+  if (missing || !node.has_depth) return html`<div class="picture-none quiet">No depth image is stored.</div>`;
+  return h(Canvas, {
+    label: `Depth image of node ${node.id}`,
+    aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,
+    dependencies: [image],
+    draw: (ctx, width, height) => image && ctx.drawImage(image, 0, 0, width, height),
+  });
+}

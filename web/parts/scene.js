@@ -1,0 +1,60 @@
+// The 3D view: an iframe that stays while views come and go, layer chips above it, a legend below.
+import { useEffect } from "preact/hooks";
+import { h, html } from "../html.js";
+import { setScene } from "../actions.js";
+import { openMapId } from "../router.js";
+import { info, scene } from "../store.js";
+import { theme } from "../theme.js";
+import { Chip } from "./button.js";
+import { Legend } from "./legend.js";
+import { SceneFrame } from "./scene_frame.js";
+
+/** @typedef {import("../store.js").Schemas["SceneLayers"]} Layers */
+
+/** @type {{layer: keyof Layers, label: string, hint: string}[]} */
+const LAYERS = [
+  { layer: "graph", label: "Graph", hint: "Nodes and links" },
+  { layer: "cloud", label: "Cloud", hint: "Coloured points of the nodes" },
+  { layer: "grid", label: "Grid", hint: "Occupied and free floor" },
+  { layer: "odometry", label: "Odometry", hint: "The path before optimisation" },
+  { layer: "truth", label: "Truth", hint: "The true path, where the source knows it" },
+];
+const COLOURS = ["memory", "session", "time", "weight"];
+
+export function SceneView() {
+  const map = openMapId.value;
+  const other = scene.value && scene.value.dark !== (theme.value === "dark");
+  useEffect(() => void (other && setScene({ dark: theme.value === "dark" })), [map, other, theme.value]);
+  if (!map) return null;
+  return html`<section class="scene" aria-label="3D view">
+    ${h(SceneFrame, { key: map, map })}
+    <div class="scene-bar" role="toolbar" aria-label="Layers">${h(LayerChips, {})}</div>
+    ${h(Legend, {})}
+  </section>`;
+}
+
+function LayerChips() {
+  const now = scene.value;
+  const noTruth = info.value !== null && !info.value.has_truth;
+  return html`${LAYERS.map(({ layer, label, hint }) =>
+      h(Chip, {
+        key: layer,
+        label,
+        hint: layer === "truth" && noTruth ? "This map has no ground truth" : hint,
+        on: Boolean(now?.layers[layer]),
+        disabled: !now || (layer === "truth" && noTruth),
+        onChange: (on) => void setScene({ layers: { [layer]: on } }),
+      }),
+    )}
+    <label class="chip chip-select">
+      Colour
+      <select
+        disabled=${!now}
+        value=${now?.colour ?? "memory"}
+        onChange=${(/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) =>
+          void setScene({ colour: /** @type {"memory"} */ (currentTarget.value) })}
+      >
+        ${COLOURS.map((name) => html`<option key=${name} value=${name}>${name}</option>`)}
+      </select>
+    </label>`;
+}

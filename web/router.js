@@ -1,0 +1,67 @@
+// The address of what is on screen: #/map/<id>/<view>/<key>?query. Every view reopens from its link.
+import { computed, signal } from "@preact/signals";
+
+/** @typedef {"maps" | "nodes" | "loops" | "params" | "stats"} View */
+/** @typedef {{map: string | null, view: View, key: string | null, query: URLSearchParams}} Route */
+
+/** @type {readonly View[]} */
+export const VIEWS = ["maps", "nodes", "loops", "params", "stats"];
+
+const hash = signal(location.hash);
+
+/** @type {import("@preact/signals").ReadonlySignal<Route>} */
+export const route = computed(() => parse(hash.value));
+export const openMapId = computed(() => route.value.map);
+
+export function startRouter() {
+  addEventListener("hashchange", () => (hash.value = location.hash));
+}
+
+/** @param {string} text @returns {Route} */
+export function parse(text) {
+  const [path, query] = text.replace(/^#\/?/, "").split("?");
+  const parts = path.split("/").filter(Boolean).map(decoded);
+  const map = parts[0] === "map" && parts[1] ? parts[1] : null;
+  const [view, key] = map ? parts.slice(2) : [parts[0], undefined];
+  const known = VIEWS.find((name) => name === view);
+  return { map, view: known ?? (map ? "loops" : "maps"), key: key ?? null, query: new URLSearchParams(query) };
+}
+
+/** @param {string} part a hand-made link may hold a lone % */
+function decoded(part) {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
+/**
+ * The link of a route; what isn't named stays as it is, but for key and query, which belong to their view.
+ * @param {{map?: string | null, view?: View, key?: string | number | null, query?: Record<string, string>}} to
+ */
+export function link(to) {
+  const map = to.map === undefined ? route.value.map : to.map;
+  const view = to.view ?? route.value.view;
+  const parts = map ? ["map", map, view] : ["maps"];
+  if (map && to.key !== undefined && to.key !== null) parts.push(String(to.key));
+  const query = new URLSearchParams(to.query).toString();
+  return `#/${parts.map(encodeURIComponent).join("/")}${query ? `?${query}` : ""}`;
+}
+
+/**
+ * @param {Parameters<typeof link>[0]} to
+ * @param {{replace?: boolean}} [how] replace: don't add a step to the browser's history
+ */
+export function go(to, { replace = false } = {}) {
+  const target = link(to);
+  if (target === location.hash) return;
+  if (replace) history.replaceState(null, "", target);
+  else history.pushState(null, "", target);
+  hash.value = target;
+}
+
+/** Whether a route shows something at all; an empty hash leaves the choice to the page. */
+export function isFresh() {
+  return location.hash.length <= 2;
+}

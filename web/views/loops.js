@@ -1,0 +1,92 @@
+// The review queue: every loop that was looked at, the evidence of one, and the decisions of people.
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { h, html } from "../html.js";
+import { on } from "../events.js";
+import * as text from "../format.js";
+import { useKeys } from "../keys.js";
+import { LoopList } from "../loop_list.js";
+import { go, link, openMapId, route } from "../router.js";
+import { remembered } from "../prefs.js";
+import { graphRevision, inForce } from "../store.js";
+import { Journal } from "../parts/journal.js";
+import { LinkEvidence } from "../parts/link.js";
+import { LoopFilter } from "../parts/loop_filter.js";
+import { loopColumns } from "../parts/loop_columns.js";
+import { Empty, Failed, Loading } from "../parts/state.js";
+import { Table } from "../parts/table.js";
+import { useChanged } from "../parts/use.js";
+
+/** @typedef {import("../loop_list.js").LoopRow} LoopRow */
+
+const order = remembered("loop-order", "-residual_sigma");
+const NO_FILTER = { states: /** @type {string[]} */ ([]), type: "", minInliers: 0 };
+
+export function Loops() {
+  const map = /** @type {string} */ (openMapId.value);
+  const list = useMemo(() => new LoopList(map), [map]);
+  const [filter, setFilter] = useState(NO_FILTER);
+  const journal = route.value.query.get("tab") === "journal";
+
+  useEffect(() => void list.pull(), [list]);
+  useEffect(() => on("decision", (_, of) => of === map && void list.pull({ all: true })), [list]);
+  useChanged(graphRevision, () => void list.pull());
+
+  void list.revision.value;
+  const rows = list.rows({ ...filter, order: order.value });
+  const key = route.value.key;
+  const selected = rows.findIndex((row) => row.key === key || `${row.to}-${row.from}` === key);
+  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key });
+  const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
+  useKeys({ j: () => step(1), k: () => step(-1) });
+  const reload = () => list.pull({ all: true });
+
+  return html`<div class="view view-loops">
+    <div class="view-head">
+      <h2>Loop closures</h2>
+      <span class="quiet grow">${list.byKey.size ? text.whole(list.byKey.size) : ""}</span>
+      <nav class="tabs" aria-label="Loops">
+        <a href=${link({ view: "loops", key })} aria-current=${journal ? undefined : "true"}>Queue</a>
+        <a href=${link({ view: "loops", key, query: { tab: "journal" } })} aria-current=${journal ? "true" : undefined}>Journal</a>
+      </nav>
+    </div>
+    ${journal ? h(Journal, { map }) : queue()}
+    ${key && h(LinkEvidence, { key, map, link: key, row: rows[selected], onStep: step, onDecided: reload })}
+  </div>`;
+
+  function queue() {
+    return html`<div class="view-part">
+      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), onChange: setFilter })}
+      <div class="view-table">${queueTable()}</div>
+    </div>`;
+  }
+
+  function queueTable() {
+    if (list.error && !list.byKey.size) return h(Failed, { error: list.error, what: "The loops didn't arrive.", onRetry: () => void reload() });
+    if (!list.loaded) return h(Loading, {});
+    if (!list.byKey.size) return h(NoLoops, {});
+    if (!rows.length) {
+      const clear = html`<button type="button" class="button button-plain" onClick=${() => setFilter(NO_FILTER)}>Clear the filter</button>`;
+      return h(Empty, { icon: "search", title: "No loop passes the filter", children: clear });
+    }
+    return h(/** @type {typeof Table<LoopRow>} */ (Table), {
+      label: "Loop closures",
+      columns: loopColumns(),
+      total: rows.length,
+      rowAt: (index) => rows[index],
+      selected,
+      onSelect: select,
+      order: order.value,
+      onOrder: (next) => (order.value = next),
+    });
+  }
+}
+
+function NoLoops() {
+  const threshold = text.short(Number(inForce("Rtabmap/LoopThr") ?? NaN));
+  return h(Empty, {
+    icon: "loops",
+    title: "No loop was looked at yet",
+    children: html`A loop is tried when the hypothesis reaches <b>Rtabmap/LoopThr</b> (${threshold} now) or when the path comes near itself.${" "}
+      <a href=${link({ view: "params", query: { q: "LoopThr" } })}>Change LoopThr</a>`,
+  });
+}

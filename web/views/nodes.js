@@ -1,0 +1,95 @@
+// All nodes of the map in a table that fetches what is in sight, and the inspector of one.
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { h, html } from "../html.js";
+import * as text from "../format.js";
+import { useKeys } from "../keys.js";
+import { go, openMapId, route } from "../router.js";
+import { columns, graphRevision } from "../store.js";
+import { Badge } from "../parts/facts.js";
+import { NodeInspector } from "../parts/node.js";
+import { Empty, Failed } from "../parts/state.js";
+import { Table } from "../parts/table.js";
+import { useChanged } from "../parts/use.js";
+import { Window } from "../window.js";
+
+/** @typedef {import("../store.js").Schemas["NodeRow"]} NodeRow */
+/** @typedef {import("../parts/table.js").TableColumn<NodeRow>} NodeColumn */
+
+const TIERS = { stm: "STM", wm: "WM", ltm: "LTM" };
+
+/** @type {NodeColumn[]} */
+const COLUMNS = [
+  { key: "id", label: "Node", width: "54px", sortable: true, cell: ({ id }) => id },
+  {
+    key: "tier",
+    label: "Memory",
+    width: "70px",
+    cell: ({ tier }) => tier && html`<span class=${`ink-${tier}`}>● </span>${TIERS[/** @type {"stm"} */ (tier)]}`,
+  },
+  { key: "stamp", label: "Time", width: "74px", sortable: true, number: true, cell: ({ stamp }) => text.clock(stamp) },
+  { key: "weight", label: "Weight", width: "64px", sortable: true, number: true, hint: "How often it was seen again", cell: ({ weight }) => text.whole(weight) },
+  { key: "words", label: "Words", width: "58px", number: true, cell: ({ words }) => text.whole(words) },
+  { key: "loops", label: "Loops", width: "minmax(52px, 1fr)", number: true, cell: ({ loops }) => (loops ? h(Badge, { tone: "hand", children: loops }) : "") },
+];
+
+export function Nodes() {
+  const map = /** @type {string} */ (openMapId.value);
+  const [order, setOrder] = useState(/** @type {import("../window.js").NodeOrder} */ ("id"));
+  const [query, setQuery] = useState("");
+  const rows = useMemo(() => new Window(map), [map]);
+  const selected = Number(route.value.key ?? 0);
+  // A row that was chosen before it arrived: it is selected as soon as it is here.
+  const [wanted, setWanted] = useState(-1);
+
+  useEffect(() => rows.ask(order, query), [rows, order, query]);
+  useEffect(() => void (columns.value && rows.refresh()), [graphRevision.value]);
+  useChanged(/** @type {import("../columns.js").Columns} */ (columns.value).revision, () => rows.refresh());
+
+  void rows.revision.value;
+  const select = (/** @type {number} */ row) => {
+    const found = rows.at(row);
+    if (found) go({ view: "nodes", key: found.id });
+    setWanted(found ? -1 : row);
+  };
+  useEffect(() => void (wanted >= 0 && rows.at(wanted) && select(wanted)));
+  const at = wanted >= 0 ? wanted : rows.find(selected);
+  const step = (/** @type {number} */ by) => select(Math.max(0, Math.min(rows.total - 1, at + by)));
+  useKeys({ j: () => step(1), k: () => step(-1) });
+
+  return html`<div class="view">
+    <div class="view-head">
+      <h2>Nodes</h2>
+      <span class="quiet grow">${rows.loaded ? text.whole(rows.total) : ""}</span>
+      <input
+        type="search"
+        class="field"
+        placeholder="Id or label"
+        aria-label="Find nodes by id or label"
+        value=${query}
+        onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => setQuery(currentTarget.value)}
+      />
+    </div>
+    <div class="view-table">${nodeTable()}</div>
+    ${selected > 0 && h(NodeInspector, { key: selected, map, id: selected })}
+  </div>`;
+
+  function nodeTable() {
+    if (rows.error) return h(Failed, { error: rows.error, what: "The nodes didn't arrive.", onRetry: () => rows.refresh() });
+    if (rows.loaded && !rows.total) {
+      return query
+        ? h(Empty, { icon: "search", title: "No node fits", children: "The field takes an id or part of a label." })
+        : h(Empty, { icon: "nodes", title: "This map has no nodes yet", children: "They appear here as soon as the run adds them." });
+    }
+    return h(/** @type {typeof Table<NodeRow>} */ (Table), {
+      label: "Nodes",
+      columns: COLUMNS,
+      total: rows.total,
+      rowAt: (row) => rows.at(row),
+      onRange: (first, last) => rows.show(first, last),
+      selected: at,
+      onSelect: select,
+      order,
+      onOrder: (next) => setOrder(/** @type {import("../window.js").NodeOrder} */ (next)),
+    });
+  }
+}
