@@ -30,8 +30,8 @@ _THICKNESS_PX = {
     LinkKind.USER: 2.4,
     LinkKind.REFUSED: 1.4,
 }
-#: Pieces of an arc, an even number; of each of many arcs.
-_STEPS = (12, 6)
+#: Pieces of an arc, an even number: of one among few, among more than ``_MANY``, and where every other is a gap.
+_STEPS, _FEWER_STEPS, _DASHED_STEPS = 12, 6, 36
 _MANY = 1500
 
 
@@ -56,7 +56,7 @@ class LinkLayer:
             if kind not in _LOOPS:
                 self._lines[kind].draw(ends, rgb, visible=visible)
                 continue
-            arcs = arc(ends, radius, _STEPS[0] if len(rows) < _MANY else _STEPS[1])
+            arcs = arc(ends, radius, _steps(kind, len(rows)))
             pieces = segments(arcs)
             self._lines[kind].draw(pieces[::2] if kind is LinkKind.REFUSED else pieces, rgb, visible=visible)
             tops = arcs[:, arcs.shape[1] // 2]
@@ -83,6 +83,12 @@ def colour(kind: LinkKind, look: Theme) -> Rgb:
         LinkKind.REFUSED: look.refused,
     }
     return by_kind[kind]
+
+
+def _steps(kind: LinkKind, links: int) -> int:
+    if kind is LinkKind.REFUSED:
+        return _DASHED_STEPS
+    return _STEPS if links <= _MANY else _FEWER_STEPS
 
 
 def arc(ends: Array, radius: float, steps: int) -> Array:
