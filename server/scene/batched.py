@@ -64,7 +64,7 @@ class Batch:
             piece.batched_positions = positions.astype(np.float32)
             piece.batched_colors = colours
             return
-        # viser can't change the number of instances in place: under the same name, the new ones replace the old.
+        # Another number of instances: new ones under the same name replace the old.
         made = self._scene.add_batched_meshes_simple(
             f"{self._name}/{number}",
             shape.vertices * self._size,

@@ -31,13 +31,17 @@ class Framing:
     position: Array
     look_at: Array
 
+    @property
+    def distance(self) -> float:
+        """From the camera to what it looks at, metres."""
+        return float(np.linalg.norm(self.position - self.look_at))
+
     def differs(self, other: Framing) -> bool:
         """Whether the other shows something noticeably different."""
-        distance = float(np.linalg.norm(self.position - self.look_at))
         moved = max(
             float(np.linalg.norm(self.position - other.position)), float(np.linalg.norm(self.look_at - other.look_at))
         )
-        return moved > 0.05 * distance
+        return moved > 0.05 * self.distance
 
 
 def frame(graph: PlacedGraph, points: Array, *, growing: bool = False) -> Framing:
@@ -69,7 +73,7 @@ def _content(graph: PlacedGraph, points: Array, least: float) -> Array:
     """What is to be in sight (K, 3): the path, what was seen from it without stray points, and a room of least size."""
     positions = graph.positions
     if len(points) >= 50:
-        low, high = np.percentile(points, [3, 97], axis=0)
+        low, high = np.percentile(points, [2, 98], axis=0)
         low, high = np.minimum(low, positions.min(axis=0)), np.maximum(high, positions.max(axis=0))
         seen = points[((points >= low) & (points <= high)).all(axis=1)]
     else:
