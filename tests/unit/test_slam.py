@@ -237,6 +237,12 @@ def test_the_rate_goes_by_the_stamps_of_the_frames() -> None:
     assert all(update.T_map_base is not None for update in updates)
 
 
+def test_a_clock_that_is_set_back_does_not_stop_the_map() -> None:
+    slam = Slam(Params())
+    early = [replace(frame, stamp=frame.stamp - 3600.0 * (k >= 4)) for k, frame in enumerate(sparse()[:8])]
+    assert all(update.node is not None for update in fed(slam, early))
+
+
 def test_frames_hang_on_their_node() -> None:
     slam = Slam(Params().changed({"Rtabmap/DetectionRate": 3.0}))
     fed(slam, dense())
