@@ -11,6 +11,7 @@ from server.browse.snapshot import Pair, Snapshot
 from server.errors import NotFoundError
 from server.schemas import LinkDetail
 from slam.geometry import Array, rotation_angle, translation_norm
+from slam.graph.optimizer import chi2
 from slam.types import UNKNOWN_VARIANCE, Candidate, Link
 
 
@@ -72,8 +73,6 @@ def _sigmas(information: Array) -> Array | None:
 
 
 def _chi2(snapshot: Snapshot, pair: Pair) -> float | None:
-    from slam.graph.optimizer import chi2
-
     link = snapshot.links.get(pair)
     if link is None or link.T_from_to is None or not {link.from_id, link.to_id} <= snapshot.poses.keys():
         return None

@@ -16,6 +16,7 @@ def matches(view: MapView, from_id: int, to_id: int) -> LinkMatches:
     Raises:
         NotFoundError: a node is unknown or its camera is.
     """
+    # Compiled code: loaded by the first who looks at matches, not by everybody who starts the server.
     from slam.registration.visual import register
 
     snapshot = view.snapshot()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from server.browse.map_view import MapView
@@ -19,8 +20,6 @@ def stored_image(view: MapView, node_id: int) -> tuple[bytes, str]:
 
 def preview(view: MapView) -> bytes:
     """A small JPEG of the map's first image; raises NotFoundError when no node has one."""
-    import cv2
-
     with_image = view.reader.nodes_with("image")
     if not len(with_image):
         raise NotFoundError(f"{view.file.name} has no image")
@@ -32,8 +31,6 @@ def preview(view: MapView) -> bytes:
 
 def coloured_depth(view: MapView, node_id: int, max_m: float) -> bytes:
     """Depth as a PNG from blue (near) to red (``max_m`` metres and farther), transparent where unknown."""
-    import cv2
-
     _present(view, node_id, "depth")
     depth_m = view.reader.depth_m(node_id)
     share = np.clip(depth_m / (max_m if max_m > 0 else _far(depth_m)), 0.0, 1.0)

@@ -13,6 +13,7 @@ from server.accuracy import frames_ate_m, poses_ate_m
 from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
 from slam.errors import ParameterError
 from slam.geometry import Pose
+from slam.graph.verify import residual_ratios
 from slam.history import History
 from slam.params import Params
 from slam.types import WEIGHT_INVALID, Link, Tier
@@ -73,8 +74,6 @@ class Snapshot:
     @cached_property
     def residuals(self) -> dict[Pair, float]:
         """Residual in sigmas of every link whose poses are known: what ``RGBD/OptimizeMaxError`` is compared with."""
-        from slam.graph.verify import residual_ratios
-
         poses = self.poses
         judged = [
             link
