@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Literal
@@ -29,6 +30,14 @@ OpenPage = Callable[..., Page]
 #: Drawing in software keeps a small machine busy: patience costs nothing where all is well.
 PATIENCE_MS = 30_000
 expect.set_options(timeout=PATIENCE_MS)
+
+
+def until(page: Page, condition: str, argument: object = None, seconds: float = 90.0) -> None:
+    """Waits until a function of JavaScript is true; Playwright's own way needs what the page's policy forbids."""
+    deadline = time.monotonic() + seconds
+    while not page.evaluate(condition, argument):
+        assert time.monotonic() < deadline, f"not within {seconds:g} s: {condition}"
+        page.wait_for_timeout(200)
 
 
 @pytest.fixture(scope="session")
