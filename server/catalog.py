@@ -60,7 +60,7 @@ class Catalog:
         if folder is None:
             raise DatabaseError("no folder is served that a new map could go into: serve one instead of single files")
         path = folder / f"{name}{_SUFFIX}"
-        if path.resolve().parent != folder:
+        if path.resolve().parent != folder or name.startswith("."):
             raise DatabaseError(f"{name!r} is no name of a file: use letters, digits, '-', '_' and '.'")
         if path.exists():
             raise DatabaseError(f"{path.name} exists already and is not overwritten: choose another name")

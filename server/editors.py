@@ -10,6 +10,7 @@ from server.catalog import MapFile
 from server.engine.client import EngineClient
 from server.engine.commands import Command, EditJob
 from server.engine.events import Event
+from server.errors import EngineGoneError
 
 Listener = Callable[[str, Event], None]
 
@@ -24,7 +25,12 @@ class Editors:
 
     async def request(self, file: MapFile, command: Command) -> Any:
         """Ask for something; raises what refuses it, MapBusyError among others when somebody else writes the map."""
-        return await (await self._client(file)).request(command)
+        client = await self._client(file)
+        try:
+            return await client.request(command)
+        except EngineGoneError:
+            # It had just closed the map because nobody had asked for long.
+            return await (await self._client(file)).request(command)
 
     async def close(self) -> None:
         """End all of them: they close their maps."""

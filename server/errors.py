@@ -19,3 +19,7 @@ class NotFoundError(SlamError):
 
 class EngineError(SlamError):
     """The engine is not there, or is not in a state for what is asked of it."""
+
+
+class EngineGoneError(EngineError):
+    """The engine had ended before it took up what was asked of it."""

@@ -16,6 +16,8 @@ from slam.params import Value
 
 _COMMANDS: Mapping[str, Command] = {"pause": Pause(), "resume": Resume(), "step": Step(), "stop": Stop()}
 _ACTIVE = ("starting", "running", "paused")
+#: The engine compiles its inner loops when it first runs on a machine.
+_PREPARING = "getting ready; the first run on a machine takes some seconds more"
 _IDLE = Session(
     map=None, state="idle", frame=0, frames=None, nodes=0, fps=0, ate_m=None, lost=0, message="", source=None, speed=0
 )
@@ -110,7 +112,8 @@ class RunSession:
     def _take(self, event: Event) -> None:
         if isinstance(event, Started):
             self._in_force = dict(event.params)
-            self._publish(self._changed(map=self._map_id, state="running", frames=event.frames, source=event.source))
+            opened = {"map": self._map_id, "frames": event.frames, "source": event.source}
+            self._publish(self._changed(message=_PREPARING, **opened))
         elif isinstance(event, Progress):
             self._publish(self._progressed(event))
         elif isinstance(event, InForce):
@@ -130,6 +133,7 @@ class RunSession:
             lost=event.lost,
             fps=round(event.fps, 1),
             ate_m=number(event.ate_m),
+            message="",
         )
 
     def _end(self, event: Ended) -> None:

@@ -13,7 +13,7 @@ from server.engine.commands import Command, Job, Request, RunJob, Stop
 from server.engine.events import Answer, Ended, Event, Started
 from server.engine.nursery import nursery
 from server.engine.process import engine_main
-from server.errors import EngineError
+from server.errors import EngineError, EngineGoneError
 
 OnEvent = Callable[[Event], None]
 
@@ -37,6 +37,7 @@ class EngineClient:
         self._numbers = itertools.count(1)
         self._waiting: dict[int, asyncio.Future[Any]] = {}
         self._started: asyncio.Future[Started] = self._loop.create_future()
+        self._last: Ended | None = None
         self._ended = asyncio.Event()
         context = nursery()
         self._connection, theirs = context.Pipe()
@@ -53,8 +54,8 @@ class EngineClient:
 
     @property
     def is_over(self) -> bool:
-        """Whether the process has ended."""
-        return self._ended.is_set()
+        """Whether the process has ended, or is about to and takes no more requests."""
+        return self._last is not None
 
     async def started(self) -> Started:
         """Wait until the map is open; raises what refused it."""
@@ -64,18 +65,19 @@ class EngineClient:
         """Ask for something and wait for the answer.
 
         Raises:
-            EngineError: the process is gone, or goes while it should answer.
+            EngineGoneError: the process is gone and did nothing of it.
+            EngineError: the process died over it.
             SlamError: it refused.
         """
         if self.is_over:
-            raise EngineError("the engine has ended: nothing more can be asked of it")
+            raise EngineGoneError("the engine has ended: nothing more can be asked of it")
         number = next(self._numbers)
         answer = self._waiting[number] = self._loop.create_future()
         try:
             self._connection.send(Request(number, command))
             return await asyncio.wait_for(answer, _ANSWER_SECONDS)
         except OSError as error:
-            raise EngineError("the engine has just ended: nothing more can be asked of it") from error
+            raise EngineGoneError("the engine has just ended: nothing more can be asked of it") from error
         except TimeoutError as error:
             raise EngineError(f"the engine did not answer within {_ANSWER_SECONDS:g} s") from error
         finally:
@@ -83,13 +85,15 @@ class EngineClient:
 
     async def stop(self) -> None:
         """End the process in order: it closes its map. One that does not end in time is killed."""
-        if not self.is_over:
-            try:
+        if self._ended.is_set():
+            return
+        try:
+            if not self.is_over:
                 self._connection.send(Request(0, Stop()))
-                await asyncio.wait_for(self._ended.wait(), STOP_SECONDS)
-            except (OSError, TimeoutError):
-                self._process.kill()
-                await self._ended.wait()
+            await asyncio.wait_for(self._ended.wait(), STOP_SECONDS)
+        except (OSError, TimeoutError):
+            self._process.kill()
+            await self._ended.wait()
 
     def _listen(self) -> None:
         last: Event | None = None
@@ -118,6 +122,7 @@ class EngineClient:
         if isinstance(event, Started) and not self._started.done():
             self._started.set_result(event)
         if isinstance(event, Ended):
+            self._last = event
             self._give_up(event)
         self._on_event(event)
 
@@ -136,9 +141,11 @@ class EngineClient:
             self._started.set_exception(error)
             # Nobody may be waiting for it; then it is no news.
             self._started.exception()
+        # One that stops in order has answered everything that it took up.
+        kind = EngineGoneError if ended.state != "failed" else EngineError
         for future in self._waiting.values():
             if not future.done():
-                future.set_exception(EngineError(f"the engine ended before it answered ({error})"))
+                future.set_exception(kind(f"the engine ended before it answered ({error})"))
 
 
 def _death(exitcode: int | None) -> str:

@@ -50,7 +50,6 @@ class Runner:
         with opening as (slam, writer):
             self._review = self._make_review(slam, writer)
             self._channel.send(Started(source.name, None if source.live else len(source), dict(params.items())))
-            self._progress(slam)
             for frame in source:
                 self._attend(slam, frame)
                 if self._stopping:

@@ -29,6 +29,6 @@ def list_decisions(view: ViewDep) -> Journal:
 
 
 @router.post("/decisions")
-async def decide(services: ServicesDep, view: ViewDep, decision: Decision) -> DecisionResult:
+async def make_decision(services: ServicesDep, view: ViewDep, decision: Decision) -> DecisionResult:
     """Approve or reject a loop, undo or redo the last decision; the graph is optimised anew."""
     return await services.decide(view, decision)

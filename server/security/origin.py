@@ -25,8 +25,9 @@ class HostCheck:
             self._names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
 
     def knows(self, connection: HTTPConnection) -> bool:
-        """Whether the request's Host header is one of ours."""
-        name = host_name(connection.headers.get("host", ""))
+        """Whether the request's one Host header is one of ours."""
+        given = connection.headers.getlist("host")
+        name = host_name(given[0]) if len(given) == 1 else ""
         if name in self._names:
             return True
         try:
@@ -52,7 +53,8 @@ def comes_from_own_page(connection: HTTPConnection) -> bool:
     """
     if connection.scope["type"] == "http" and connection.scope["method"] in _SAFE_METHODS:
         return True
-    origin = connection.headers.get("origin")
-    if origin is not None:
-        return urlsplit(origin).netloc.lower() == connection.headers.get("host", "").lower()
+    origins = connection.headers.getlist("origin")
+    if origins:
+        host = connection.headers.get("host", "").lower()
+        return all(urlsplit(origin).netloc.lower() == host for origin in origins)
     return connection.headers.get("sec-fetch-site", "none") in ("same-origin", "none")

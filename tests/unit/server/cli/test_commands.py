@@ -1,0 +1,151 @@
+"""The command line: what it prints, and one line for everything that it refuses."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from slam.params import specs
+from tests.unit.server.loop_map import NODES, write_loop_map
+
+TINY = "tour:fps=5,width=160,height=120,frames=6"
+
+
+@pytest.fixture(scope="module")
+def a_map(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("cli") / "loops.db"
+    write_loop_map(path)
+    return path
+
+
+def slamdeck(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "server.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=240)
+
+
+def refusal(*arguments: object) -> str:
+    """The one line that says why."""
+    done = slamdeck(*arguments)
+    assert done.returncode == 2, done.stdout + done.stderr
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("error: "), done.stderr
+    assert "Traceback" not in done.stderr and not done.stdout
+    return lines[0]
+
+
+def test_help_loads_nothing_heavy() -> None:
+    heavy = {"gtsam", "open3d", "viser", "numba", "cv2", "fastapi", "sqlalchemy", "uvicorn"}
+    code = f"import sys, server.cli.app; sys.exit(' '.join({heavy} & set(sys.modules)) or None)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_server_starts_without_what_draws_and_meshes() -> None:
+    code = "import sys, server.app; sys.exit(' '.join({'open3d', 'viser'} & set(sys.modules)) or None)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_command_is_listed() -> None:
+    text = slamdeck("--help").stdout
+    assert all(name in text for name in ("demo", "run", "serve", "info", "export", "params"))
+
+
+def test_info_of_a_map(a_map: Path) -> None:
+    found = json.loads(slamdeck("info", a_map, "--json").stdout)
+    assert (found["version"], found["nodes"]) == ("0.20.0", NODES)
+    assert found["links"] == {"Neighbor": NODES - 1, "GlobalClosure": 2}
+    assert found["parameters"] == {"Rtabmap/LoopThr": "0.2"} and found["bytes_by_kind"]["image"] > 0
+    table = slamdeck("info", a_map).stdout
+    assert "0.20.0" in table and "GlobalClosure" in table
+
+
+def test_parameters_are_listed_and_searched() -> None:
+    listed = json.loads(slamdeck("params", "--json").stdout)
+    assert [entry["name"] for entry in listed] == [spec.name for spec in specs()]
+    found = json.loads(slamdeck("params", "--json", "--search", "loopthr").stdout)
+    assert [entry["name"] for entry in found] == ["Rtabmap/LoopThr", "RGBD/AggressiveLoopThr"]
+    assert "Rtabmap/TimeThr" in slamdeck("params", "--search", "timethr").stdout
+    assert "lists them all" in refusal("params", "--search", "xyzzy")
+
+
+def test_poses_are_exported(a_map: Path, tmp_path: Path) -> None:
+    for format, first in (("tum", "# timestamp"), ("kitti", ""), ("g2o", "VERTEX_SE3:QUAT 1 ")):
+        out = tmp_path / f"poses.{format}"
+        assert slamdeck("export", a_map, "--poses", out, "--format", format).returncode == 0
+        assert out.read_text().startswith(first) and len(out.read_text().splitlines()) >= NODES
+
+
+def test_a_run_prints_one_object_and_the_same_twice(tmp_path: Path) -> None:
+    results = []
+    for name in ("a.db", "b.db"):
+        done = slamdeck("run", TINY, "--db", tmp_path / name, "--json", "--param", "Rtabmap/DetectionRate=0")
+        assert done.returncode == 0, done.stderr
+        results.append(json.loads(done.stdout))
+    keys = [
+        "frames",
+        "nodes",
+        "links",
+        "loops",
+        "ate_rmse_m",
+        "lost_frames",
+        "fps",
+        "median_ms",
+        "peak_rss_mb",
+        "db_mb",
+        "seed",
+    ]
+    assert list(results[0]) == keys
+    same = ("frames", "nodes", "links", "loops", "ate_rmse_m", "lost_frames", "seed")
+    assert [results[0][key] for key in same] == [results[1][key] for key in same]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.db", "b.db"]
+    assert "exists already" in refusal("run", TINY, "--db", tmp_path / "a.db")
+    assert slamdeck("run", TINY, "--db", tmp_path / "a.db", "--overwrite").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("info", "missing.db"), "missing.db"),
+        (("serve", "missing.db"), "does not exist"),
+        (("serve", "notes.db"), "notes.db"),
+        (("serve", ".", "--host", "0.0.0.0", "--no-token"), "without a token"),
+        (("serve", ".", "--token", "short"), "16 characters"),
+        (("export", "notes.db", "--poses", "out.txt"), "notes.db"),
+        (("run", "missing", "--db", "m.db"), "missing"),
+        (("run", "tour:", "--db", "m.sqlite"), ".db"),
+        (("run", "tour:", "--db", "nowhere/m.db"), "nowhere"),
+        (("run", "tour:laps=many", "--db", "m.db"), "laps"),
+        (("run", "tour:", "--db", "m.db", "--param", "Rtabmap/LoopThr=7"), "Rtabmap/LoopThr"),
+        (("run", "tour:", "--db", "m.db", "--param", "Rtabmap/LoopTr=0.1"), "Rtabmap/LoopThr"),
+        (("run", "tour:", "--db", "m.db", "--param", "Rtabmap/LoopThr"), "NAME=VALUE"),
+        (("run", "tour:", "--db", "m.db", "--config", "missing.ini"), "missing.ini"),
+        (("demo", "--db", "notes.db"), "exists already"),
+    ],
+)
+def test_what_is_refused_is_one_line_that_says_what_would_be_right(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], said: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).resolve().parents[4]))
+    (tmp_path / "notes.db").write_text("no database")
+    assert said in refusal(*arguments)
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.db"], "nothing was made or damaged"
+
+
+def test_parameters_that_only_rtabmap_has_are_named_and_not_refused(tmp_path: Path) -> None:
+    config = tmp_path / "rtabmap.ini"
+    config.write_text("[Core]\nRtabmap\\DetectionRate=0\nSURF\\HessianThreshold=500\n")
+    done = slamdeck("run", TINY, "--db", tmp_path / "m.db", "--config", config, "--param", "Odom/Holonomic=true")
+    assert done.returncode == 0, done.stderr
+    assert "SURF/HessianThreshold" in done.stderr and "Odom/Holonomic" in done.stderr
+
+
+@pytest.mark.skipif(shutil.which("bash") is None or not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_one_line(a_map: Path) -> None:
+    assert "/dev" in refusal("export", a_map, "--poses", "/dev/full/poses.txt")
