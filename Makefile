@@ -11,9 +11,10 @@ help:
 	@echo "make bench  timings of the engine and the server, as a table"
 
 .venv/slamdeck: pyproject.toml
-	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "slamdeck needs Python 3.11 or newer; set PYTHON=...")'
-	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable .
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "slamdeck needs Python 3.11 or newer; set PYTHON=...")'
+	@echo "setting up .venv, once; this takes about a minute"
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
 .venv/slamdeck-dev: .venv/slamdeck
@@ -25,7 +26,7 @@ web/node_modules: web/package-lock.json .venv/slamdeck-dev
 	@touch $@
 
 demo: .venv/slamdeck
-	$(BIN)/slamdeck demo
+	@$(BIN)/slamdeck demo
 
 lint: .venv/slamdeck-dev web/node_modules
 	$(BIN)/ruff format --check .

@@ -15,6 +15,7 @@ from fastapi.routing import APIRoute
 from server import proxy
 from server.engine.commands import RunJob
 from server.engine.events import Event
+from server.engine.nursery import warm_up
 from server.error_responses import ERRORS, install_handlers
 from server.routes import events, exports, graph, links, loops, maps, nodes, parameters, scene, session, statistics
 from server.security.guard import Guard
@@ -74,6 +75,7 @@ def create_app(settings: Settings, web: Path | None = None, first_run: FirstRun 
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     services: Services = app.state.services
     services.hub.attach(asyncio.get_running_loop())
+    warm_up()
     first = asyncio.create_task(_start(services, app.state.first_run))
     try:
         yield

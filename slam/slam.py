@@ -160,7 +160,10 @@ class Slam:
         if odometry.T_odom_base is None:
             return False
         rate = self.params.Rtabmap.DetectionRate
-        return rate == 0 or frame.stamp - self._last_stamp >= (1.0 - _JITTER) / rate or self._restarted()
+        if rate == 0 or self._restarted():
+            return True
+        # A camera's clock may be set back; waiting until it has caught up would stop the map.
+        return not 0.0 <= frame.stamp - self._last_stamp < (1.0 - _JITTER) / rate
 
     def _restarted(self) -> bool:
         """Whether odometry began anew since the last node."""

@@ -102,14 +102,16 @@ function switchMap() {
 /** Start following the address and the stream. */
 export function startStore() {
   effect(() => void (openMapId.value, untracked(switchMap)));
-  effect(() => void (openings.value && untracked(refresh)));
+  effect(() => void (openings.value > 0 && untracked(refresh)));
   effect(followRoute);
   listen();
 }
 
-/** The stream is open (again): fetch what was missed. */
+/** The stream is open: fetch what it doesn't bring; when it was broken, also what was missed meanwhile. */
 function refresh() {
-  void Promise.all([loadMaps(), loadSession(), loadInfo(), loadParameters(), loadScene()]);
+  void Promise.all([loadMaps(), loadSession()]);
+  if (openings.value === 1) return;
+  void Promise.all([loadInfo(), loadParameters(), loadScene()]);
   columns.value?.pull();
   graphRevision.value += 1;
 }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import itertools
-import multiprocessing
 import signal
 import threading
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from typing import Any
 
 from server.engine.commands import Command, Job, Request, RunJob, Stop
 from server.engine.events import Answer, Ended, Event, Started
+from server.engine.nursery import nursery
 from server.engine.process import engine_main
 from server.errors import EngineError, EngineGoneError
 
@@ -39,7 +39,7 @@ class EngineClient:
         self._started: asyncio.Future[Started] = self._loop.create_future()
         self._last: Ended | None = None
         self._ended = asyncio.Event()
-        context = multiprocessing.get_context("spawn")
+        context = nursery()
         self._connection, theirs = context.Pipe()
         name = "slamdeck-run" if isinstance(job, RunJob) else "slamdeck-edit"
         self._process = context.Process(target=engine_main, args=(theirs, job), name=name, daemon=True)

@@ -12,10 +12,10 @@ from slam.geometry import Pose
 from slam.maps.point_cloud import Colors, Points, node_cloud
 
 #: Points of all clouds of an ordinary map, and of one cloud.
-_ALL = 450_000
+_ALL = 600_000
 _LEAST, _MOST = 4_000, 12_000
-#: Depth images are read at about this many columns.
-_COLUMNS = 213
+#: Depth images are read at about this many columns; at more where there is room for many points.
+_COLUMNS, _FINE_COLUMNS = 160, 240
 #: Beyond this a depth camera sees mostly noise.
 _FAR_M = 6.0
 #: Points this much higher than the camera are a ceiling to whoever looks down on the map.
@@ -44,28 +44,31 @@ def view_points(
     image_bgr: NDArray[np.uint8], depth_m: NDArray[np.float32], camera: Camera, T_map_base: Pose, most: int
 ) -> CloudPoints:
     """At most so many points of what a node saw, evenly spread; no ceiling, and nothing that hangs in the air."""
-    step = max(1, round(depth_m.shape[1] / _COLUMNS))
+    step = max(1, round(depth_m.shape[1] / (_FINE_COLUMNS if most > 2 * _LEAST else _COLUMNS)))
+    focal_px = camera.fx * depth_m.shape[1] / camera.width
     points, colours = node_cloud(image_bgr, _without_edges(depth_m, step), camera, step, _FAR_M)
+    if not len(points):
+        return CloudPoints(points, colours, _FINEST_M)
+    distance = float(np.median(np.linalg.norm(points - camera.T_base_cam[:3, 3], axis=1)))
     up_base = T_map_base[2, :3]
     above_camera = points @ up_base.astype(np.float32) - float(up_base @ camera.T_base_cam[:3, 3])
     below_ceiling = above_camera < _CEILING_M
     if below_ceiling.sum() >= _LEAST_LEFT:
         points, colours = points[below_ceiling], colours[below_ceiling]
-    kept, spacing = _spread(points, most)
-    return CloudPoints(points[kept], colours[kept], spacing)
+    kept, side = _spread(points, most)
+    return CloudPoints(points[kept], colours[kept], max(side, distance * step / focal_px))
 
 
 def _without_edges(depth_m: NDArray[np.float32], step: int) -> NDArray[np.float32]:
-    """Depth (H, W) with 0 where a neighbour ``step`` pixels away is much nearer or farther."""
+    """Depth (H, W) whose every ``step``-th pixel is 0 where a neighbour among these is much nearer or farther."""
     kept = depth_m.copy()
-    for a, b in (
-        ((slice(step, None), slice(None)), (slice(None, -step), slice(None))),
-        ((slice(None), slice(step, None)), (slice(None), slice(None, -step))),
-    ):
-        jump = np.abs(depth_m[a] - depth_m[b]) > _JUMP * np.minimum(depth_m[a], depth_m[b])
-        jump &= (depth_m[a] > 0) & (depth_m[b] > 0)
-        kept[a][jump] = 0.0
-        kept[b][jump] = 0.0
+    seen, used = depth_m[::step, ::step], kept[::step, ::step]
+    for one, other in ((seen[1:], seen[:-1]), (seen[:, 1:], seen[:, :-1])):
+        jump = np.abs(one - other) > _JUMP * np.minimum(one, other)
+        jump &= (one > 0) & (other > 0)
+        rows, columns = jump.shape
+        used[-rows:, -columns:][jump] = 0.0
+        used[:rows, :columns][jump] = 0.0
     return kept
 
 

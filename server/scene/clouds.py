@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 #: Size of a point, by the distance of its neighbours: surfaces close, edges stay fine.
-_POINT_SIZE = 1.0
+_POINT_SIZE = 0.9
 #: Of each cloud so many points are kept here, to tell what the map looks like as a whole.
 _SAMPLE = 60
 

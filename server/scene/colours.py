@@ -36,6 +36,7 @@ class Theme:
     proximity: Rgb
     user: Rgb
     virtual: Rgb
+    refused: Rgb
     odometry: Rgb
     truth: Rgb
     frustum: Rgb
@@ -56,6 +57,7 @@ DARK = Theme(
     proximity=(255, 150, 190),
     user=(177, 140, 255),
     virtual=(90, 100, 120),
+    refused=(150, 158, 172),
     odometry=(84, 116, 230),
     truth=(226, 206, 120),
     frustum=(92, 112, 140),
@@ -75,6 +77,7 @@ LIGHT = Theme(
     proximity=(236, 110, 160),
     user=(120, 80, 220),
     virtual=(170, 178, 192),
+    refused=(120, 128, 142),
     odometry=(60, 90, 215),
     truth=(150, 116, 10),
     frustum=(120, 138, 165),

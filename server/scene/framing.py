@@ -18,8 +18,9 @@ _ASPECT = 1.25
 _ELEVATION = np.radians(42.0)
 #: What a node is taken to see, until its points are known.
 _SIGHT_M = 2.0
-#: What is shown at least: a map that only begins gets room to grow.
+#: What is shown at least, and of a map that is still growing.
 _LEAST_SPAN_M = 2.0
+_GROWING_SPAN_M = 9.0
 _MARGIN = 1.14
 
 
@@ -30,18 +31,25 @@ class Framing:
     position: Array
     look_at: Array
 
+    @property
+    def distance(self) -> float:
+        """From the camera to what it looks at, metres."""
+        return float(np.linalg.norm(self.position - self.look_at))
+
     def differs(self, other: Framing) -> bool:
         """Whether the other shows something noticeably different."""
-        distance = float(np.linalg.norm(self.position - self.look_at))
         moved = max(
             float(np.linalg.norm(self.position - other.position)), float(np.linalg.norm(self.look_at - other.look_at))
         )
-        return moved > 0.05 * distance
+        return moved > 0.05 * self.distance
 
 
-def frame(graph: PlacedGraph, points: Array) -> Framing:
-    """A three-quarter view from above of the nodes and of points (M, 3) that they saw; there must be a node."""
-    seen = _content(graph, points)
+def frame(graph: PlacedGraph, points: Array, *, growing: bool = False) -> Framing:
+    """A three-quarter view from above of the nodes and of points (M, 3) that they saw; there must be a node.
+
+    A map that is ``growing`` gets room: the camera won't follow it.
+    """
+    seen = _content(graph, points, _GROWING_SPAN_M if growing else _LEAST_SPAN_M)
     azimuth = _azimuth(graph, seen)
     forward = np.array(
         [np.cos(azimuth) * np.cos(_ELEVATION), np.sin(azimuth) * np.cos(_ELEVATION), -np.sin(_ELEVATION)]
@@ -61,18 +69,18 @@ def frame(graph: PlacedGraph, points: Array) -> Framing:
     return Framing(camera, camera + (float(np.median(z)) - depth) * forward)
 
 
-def _content(graph: PlacedGraph, points: Array) -> Array:
-    """What is to be in sight (K, 3): the path, what was seen from it without stray points, and a least room."""
+def _content(graph: PlacedGraph, points: Array, least: float) -> Array:
+    """What is to be in sight (K, 3): the path, what was seen from it without stray points, and a room of least size."""
     positions = graph.positions
     if len(points) >= 50:
-        low, high = np.percentile(points, [3, 97], axis=0)
+        low, high = np.percentile(points, [2, 98], axis=0)
         low, high = np.minimum(low, positions.min(axis=0)), np.maximum(high, positions.max(axis=0))
         seen = points[((points >= low) & (points <= high)).all(axis=1)]
     else:
         seen = positions + _SIGHT_M * graph.T_map[:, :3, 0] if _is_indoor(positions) else positions
     content = np.concatenate([positions, seen])
     middle = 0.5 * (content.min(axis=0) + content.max(axis=0))
-    reach = 0.5 * _LEAST_SPAN_M
+    reach = 0.5 * least
     room = middle + np.array([(a * reach, b * reach, 0.0) for a in (-1, 1) for b in (-1, 1)])
     return np.concatenate([content, room])
 

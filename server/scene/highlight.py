@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import cv2
@@ -26,7 +25,7 @@ _RING_PX = 2.6
 _ARC_PX = 4.5
 _IMAGE_WIDTH = 360
 #: Ring and frustum, by radii of a node.
-_RING = 2.4
+_RING = 3.0
 _FRUSTUM = 9.0
 _TURN = np.linspace(0.0, 2.0 * np.pi, 49)
 
@@ -38,7 +37,7 @@ class Highlight:
         self._scene = scene
         self._rings = Lines(scene, "/selected/rings", _RING_PX)
         self._arc = Lines(scene, "/selected/arc", _ARC_PX)
-        self._labels: dict[int, LabelHandle] = {}
+        self._label: LabelHandle | None = None
         self._view: CameraFrustumHandle | None = None
         self._viewed: int | None = None
 
@@ -48,33 +47,26 @@ class Highlight:
         """Show the selection where it is now; what the map does not have is not shown."""
         pair = link if link is not None and set(link) <= graph.rows.keys() else None
         single = node if node in graph.rows else None
-        ids = sorted({i for i in (single, *(pair or ())) if i is not None})
+        ids = pair or (() if single is None else (single,))
         places = graph.positions[[graph.rows[i] for i in ids]]
         self._rings.draw(rings(places, _RING * measure.node), look.selected)
-        self._label(ids, places, 1.6 * _RING * measure.node)
-        self._arc.draw(self._connection(snapshot, graph, pair, measure), look.selected)
+        path = arc(places[None], measure.node, 24)[0] if pair else np.zeros((0, 3))
+        linked = pair is not None and (min(pair), max(pair)) in snapshot.links
+        self._arc.draw(chain(path) if linked else dashed(path, measure.node), look.selected)
+        top = np.concatenate([places, path])
+        self._write(" → ".join(str(i) for i in ids), top.mean(axis=0) if len(top) else np.zeros(3), top, measure)
         self._show_view(snapshot, graph, single, measure, look)
 
-    def _connection(
-        self, snapshot: Snapshot, graph: PlacedGraph, pair: Pair | None, measure: Measure
-    ) -> NDArray[np.float64]:
-        if pair is None:
-            return np.zeros((0, 2, 3))
-        path = arc(graph.positions[[graph.rows[i] for i in pair]][None], measure.node, 24)[0]
-        linked = (min(pair), max(pair)) in snapshot.links
-        return chain(path) if linked else dashed(path, measure.node)
-
-    def _label(self, ids: Sequence[int], places: NDArray[np.float64], rise: float) -> None:
-        for node_id in self._labels.keys() - set(ids):
-            self._labels.pop(node_id).remove()
-        for node_id, place in zip(ids, places, strict=True):
-            above = place + np.array([0.0, 0.0, rise])
-            if node_id in self._labels:
-                self._labels[node_id].position = above
-            else:
-                self._labels[node_id] = self._scene.add_label(
-                    f"/selected/label/{node_id}", str(node_id), position=above, anchor="bottom-center"
-                )
+    def _write(self, text: str, middle: NDArray[np.float64], content: NDArray[np.float64], measure: Measure) -> None:
+        """Name the selection, above the middle of it."""
+        if self._label is None:
+            if not text:
+                return
+            self._label = self._scene.add_label("/selected/label", text, anchor="bottom-center")
+        self._label.text = text
+        self._label.visible = bool(text)
+        height = float(content[:, 2].max()) + 2.0 * measure.node if len(content) else 0.0
+        self._label.position = np.array([middle[0], middle[1], height])
 
     def _show_view(
         self, snapshot: Snapshot, graph: PlacedGraph, node: int | None, measure: Measure, look: Theme

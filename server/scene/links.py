@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.browse.snapshot import Pair
-from server.scene.batched import Batch, icosphere
+from server.scene.batched import Batch
 from server.scene.colours import Theme
 from server.scene.lines import Lines
 from server.scene.placed import LinkKind, PlacedGraph
+from server.scene.shapes import icosphere
 from server.scene.tone import Rgb
 
 if TYPE_CHECKING:
@@ -20,21 +21,22 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.USER)
+_LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.USER, LinkKind.REFUSED)
 _THICKNESS_PX = {
     LinkKind.NEIGHBOR: 1.5,
     LinkKind.VIRTUAL: 1.0,
     LinkKind.PROXIMITY: 1.8,
     LinkKind.LOOP: 2.4,
     LinkKind.USER: 2.4,
+    LinkKind.REFUSED: 1.4,
 }
-_STEPS = 10
-#: More arcs than this are drawn with fewer pieces.
+#: Pieces of an arc, an even number: of one among few, among more than ``_MANY``, and where every other is a gap.
+_STEPS, _FEWER_STEPS, _DASHED_STEPS = 12, 6, 36
 _MANY = 1500
 
 
 class LinkLayer:
-    """Straight lines along the path, arcs for loops; ``on_click`` gets the ids of a loop whose knot was clicked.
+    """Straight lines along the path and arcs for loops, dashed where refused; ``on_click`` gets a clicked loop's ids.
 
     Lines can't be clicked in viser, and a loop often joins nodes that lie almost on each other: so each loop rises as
     an arc with a knot at its top.
@@ -44,9 +46,7 @@ class LinkLayer:
         self._on_click = on_click
         self._graph: PlacedGraph | None = None
         self._lines = {kind: Lines(scene, f"/graph/{kind.value}", _THICKNESS_PX[kind]) for kind in LinkKind}
-        self._knots = {
-            kind: Batch(scene, f"/graph/knots/{kind.value}", icosphere(1), self._picker(kind)) for kind in _LOOPS
-        }
+        self._knots = {kind: Batch(scene, f"/graph/knots/{kind.value}", self._picker(kind)) for kind in _LOOPS}
 
     def draw(self, graph: PlacedGraph, radius: float, look: Theme, *, visible: bool) -> None:
         """Show the links as they are now; ``radius`` is that of the nodes."""
@@ -56,11 +56,12 @@ class LinkLayer:
             if kind not in _LOOPS:
                 self._lines[kind].draw(ends, rgb, visible=visible)
                 continue
-            arcs = arc(ends, radius, _STEPS if len(rows) < _MANY else _STEPS // 2)
-            self._lines[kind].draw(segments(arcs), rgb, visible=visible)
+            arcs = arc(ends, radius, _steps(kind, len(rows)))
+            pieces = segments(arcs)
+            self._lines[kind].draw(pieces[::2] if kind is LinkKind.REFUSED else pieces, rgb, visible=visible)
             tops = arcs[:, arcs.shape[1] // 2]
             paint = np.tile(np.array(rgb, dtype=np.uint8), (len(rows), 1))
-            self._knots[kind].draw(tops, paint, 0.55 * radius, visible=visible)
+            self._knots[kind].draw(tops, paint, icosphere(1), 0.55 * radius, visible=visible)
 
     def _picker(self, kind: LinkKind) -> Callable[[int], None]:
         def clicked(index: int) -> None:
@@ -79,11 +80,18 @@ def colour(kind: LinkKind, look: Theme) -> Rgb:
         LinkKind.PROXIMITY: look.proximity,
         LinkKind.USER: look.user,
         LinkKind.VIRTUAL: look.virtual,
+        LinkKind.REFUSED: look.refused,
     }
     return by_kind[kind]
 
 
-def arc(ends: Array, radius: float, steps: int = _STEPS) -> Array:
+def _steps(kind: LinkKind, links: int) -> int:
+    if kind is LinkKind.REFUSED:
+        return _DASHED_STEPS
+    return _STEPS if links <= _MANY else _FEWER_STEPS
+
+
+def arc(ends: Array, radius: float, steps: int) -> Array:
     """Points (L, steps + 1, 3) of a parabola over each pair of ends (L, 2, 3), some node radii high."""
     share = np.linspace(0.0, 1.0, steps + 1)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from server.scene.batched import Batch, icosphere
+from server.scene.batched import Batch
 from server.scene.colours import Theme, node_colours
 from server.scene.placed import Ints, PlacedGraph
+from server.scene.shapes import icosphere
 from server.schemas.scene import Colouring
 
 if TYPE_CHECKING:
     from viser import SceneApi
+
+#: Nodes that are drawn as round as they can be; more of them, seen from farther away, are drawn with a quarter of it.
+_FINE = 2000
 
 
 class NodeLayer:
@@ -22,12 +26,13 @@ class NodeLayer:
     def __init__(self, scene: SceneApi, on_click: Callable[[int], None]) -> None:
         self._on_click = on_click
         self._ids: Ints = np.zeros(0, dtype=np.int64)
-        self._balls = Batch(scene, "/graph/nodes", icosphere(2), self._clicked)
+        self._balls = Batch(scene, "/graph/nodes", self._clicked)
 
     def draw(self, graph: PlacedGraph, radius: float, how: Colouring, look: Theme, *, visible: bool) -> None:
         """Show the nodes as they are now."""
         self._ids = graph.ids
-        self._balls.draw(graph.positions, node_colours(graph, how, look), radius, visible=visible)
+        ball = icosphere(2 if len(graph) <= _FINE else 1)
+        self._balls.draw(graph.positions, node_colours(graph, how, look), ball, radius, visible=visible)
 
     def _clicked(self, index: int) -> None:
         ids = self._ids

@@ -1,8 +1,9 @@
-"""Draws a map with all its layers into a viser server; one thread at a time."""
+"""Draws a map with all its layers into a viser server; called by one thread."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,10 +28,33 @@ from slam.geometry import Pose
 _AT_ONCE = 4
 #: Clouds from all over the map that tell where its floor is and how large it looks, before the camera is placed.
 _FIRST = 12
+#: A newest pose is shown this much larger than other cameras.
+_NEWEST = 1.5
+#: What viser's page has as the farthest visible distance; wider maps need more.
+_FAR_M = 1000.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Picture:
+    """A map at one moment and how it is to be shown."""
+
+    snapshot: Snapshot
+    graph: PlacedGraph
+    state: Scene
+
+    @property
+    def look(self) -> Theme:
+        """Its colours."""
+        return theme(self.state.dark)
+
+    @property
+    def measure(self) -> Measure:
+        """Its sizes."""
+        return Measure.of(self.graph.positions)
 
 
 class Painter:
-    """Knows what was sent, so that only changes are."""
+    """Shows maps and their changes; each layer knows what it sent and sends only what is new."""
 
     def __init__(self, on_node: Callable[[int], None], on_link: Callable[[Pair], None]) -> None:
         self._viewer = Viewer()
@@ -43,9 +67,8 @@ class Painter:
         self._frusta = FrustumLayer(scene)
         self._newest = NewestLayer(scene)
         self._highlight = Highlight(scene)
-        self._theme: Theme | None = None
         self._framing: Framing | None = None
-        self._drawn: tuple[Snapshot, PlacedGraph, Scene] | None = None
+        self._shown: Picture | None = None
 
     @property
     def port(self) -> int:
@@ -58,14 +81,20 @@ class Painter:
 
     def draw(self, snapshot: Snapshot, state: Scene) -> None:
         """Show the map as it is now; clouds that are missing come with ``load_some``."""
-        graph = self._graph(snapshot)
-        usable = self._usable(snapshot) if state.layers.cloud else ()
+        before = self._shown
+        graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
+        picture = Picture(snapshot, graph, state)
+        usable = _with_images(snapshot) if state.layers.cloud else set()
+        grid = snapshot.reader.grid() if state.layers.grid else None
         with self._viewer.atomic():
-            self._show_theme(state)
+            if before is None or before.look is not picture.look:
+                self._viewer.show_theme(picture.look, dark=state.dark)
             self._clouds.draw(graph, usable, visible=state.layers.cloud)
-            self._drawn = (snapshot, graph, state)
-            self._draw_graph()
-            self._draw_ground()
+            self._draw_graph(picture)
+            self._highlight.draw(snapshot, graph, *_selection(state), picture.measure, picture.look)
+            self._floor.draw_grid(grid, picture.look, visible=state.layers.grid)
+            self._draw_ground(picture)
+        self._shown = picture
 
     def move(self, T_map_base: Pose) -> None:
         """Show the robot here, between two nodes."""
@@ -73,67 +102,53 @@ class Painter:
 
     def load_some(self) -> bool:
         """Send some missing clouds, the newest first; whether more are missing."""
-        if self._drawn is None:
+        picture = self._shown
+        if picture is None or not len(picture.graph):
             return False
-        snapshot, graph, state = self._drawn
-        missing = self._clouds.missing if state.layers.cloud else []
+        missing = self._clouds.missing if picture.state.layers.cloud else []
+        chosen = missing[: -_AT_ONCE - 1 : -1]
         if self._framing is None and len(missing) > _FIRST:
             chosen = [missing[i] for i in np.linspace(0, len(missing) - 1, _FIRST).astype(int)]
-        else:
-            chosen = missing[: -_AT_ONCE - 1 : -1]
-        self._clouds.load(snapshot.reader, chosen)
+        self._clouds.load(picture.snapshot.reader, chosen)
         more = len(missing) > len(chosen)
-        if len(graph) and (self._framing is None or (chosen and not more)):
+        if self._framing is None or (chosen and not more):
             with self._viewer.atomic():
-                self._draw_ground()
-                self._place_camera(graph)
+                self._draw_ground(picture)
+                self._place_camera(picture)
         return more
 
-    def _graph(self, snapshot: Snapshot) -> PlacedGraph:
-        if self._drawn is not None and self._drawn[0] is snapshot:
-            return self._drawn[1]
-        return PlacedGraph.of(snapshot)
-
-    @staticmethod
-    def _usable(snapshot: Snapshot) -> set[int]:
-        """Nodes that have all that a cloud takes."""
-        images, depths = (snapshot.reader.nodes_with(kind).tolist() for kind in ("image", "depth"))
-        return set(images) & set(depths) & snapshot.calibrated
-
-    def _show_theme(self, state: Scene) -> None:
-        look = theme(state.dark)
-        if look is not self._theme:
-            self._viewer.show_theme(look, dark=state.dark)
-            self._theme = look
-
-    def _draw_graph(self) -> None:
-        if self._drawn is None:
-            return
-        snapshot, graph, state = self._drawn
-        look, layers, measure = theme(state.dark), state.layers, Measure.of(graph.positions)
-        link = (state.selected_link[0], state.selected_link[1]) if state.selected_link else None
-        self._nodes.draw(graph, measure.node, state.colour, look, visible=layers.graph)
+    def _draw_graph(self, picture: Picture) -> None:
+        graph, look, layers, measure = picture.graph, picture.look, picture.state.layers, picture.measure
+        self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph)
         self._links.draw(graph, measure.node, look, visible=layers.graph)
         self._paths.draw(graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth)
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
-        self._newest.draw(graph, 1.5 * measure.frustum, look, visible=layers.graph)
-        self._highlight.draw(snapshot, graph, state.selected_node, link, measure, look)
-        self._floor.draw_grid(snapshot.reader.grid() if layers.grid else None, look, visible=layers.grid)
+        self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph)
 
-    def _draw_ground(self) -> None:
-        if self._drawn is None:
-            return
-        _, graph, state = self._drawn
-        measure = Measure.of(graph.positions)
-        height = floor_height(graph.positions, self._clouds.sample())
-        self._floor.draw_ground(height, measure.cell, measure.extent, theme(state.dark))
+    def _draw_ground(self, picture: Picture) -> None:
+        height = floor_height(picture.graph.positions, self._clouds.sample())
+        self._floor.draw_ground(height, picture.measure.cell, picture.measure.extent, picture.look)
 
-    def _place_camera(self, graph: PlacedGraph) -> None:
+    def _place_camera(self, picture: Picture) -> None:
         """Where new clients begin; those that are there already keep their camera (viser's page sees to that)."""
-        framing = frame(graph, self._clouds.sample())
+        sessions = picture.snapshot.reader.sessions()
+        growing = bool(sessions) and not sessions[-1].clean
+        framing = frame(picture.graph, self._clouds.sample(), growing=growing)
         if self._framing is not None and not framing.differs(self._framing):
             return
         self._framing = framing
         camera = self._viewer.initial_camera
         camera.position, camera.look_at = framing.position, framing.look_at
-        camera.up, camera.fov = np.array([0.0, 0.0, 1.0]), float(FIELD_OF_VIEW)
+        camera.up, camera.fov = (0.0, 0.0, 1.0), float(FIELD_OF_VIEW)
+        camera.far = max(_FAR_M, 20.0 * framing.distance)
+
+
+def _with_images(snapshot: Snapshot) -> set[int]:
+    """Nodes that have all that a cloud takes."""
+    images, depths = snapshot.reader.nodes_with("image"), snapshot.reader.nodes_with("depth")
+    return set(images.tolist()) & set(depths.tolist()) & snapshot.calibrated
+
+
+def _selection(state: Scene) -> tuple[int | None, Pair | None]:
+    pair = state.selected_link
+    return state.selected_node, None if pair is None else (pair[0], pair[1])

@@ -18,13 +18,14 @@ _TIERS = {Tier.STM: 0, Tier.WM: 1, Tier.LTM: 2}
 
 
 class LinkKind(Enum):
-    """Links that are drawn alike."""
+    """Links that are drawn alike; ``REFUSED`` are loops that were looked at and are no links, or no more."""
 
     NEIGHBOR = "neighbor"
     LOOP = "loop"
     PROXIMITY = "proximity"
     USER = "user"
     VIRTUAL = "virtual"
+    REFUSED = "refused"
 
 
 _KINDS = {
@@ -36,6 +37,10 @@ _KINDS = {
     LinkType.USER_CLOSURE: LinkKind.USER,
     LinkType.VIRTUAL_CLOSURE: LinkKind.VIRTUAL,
 }
+
+
+#: Of more refused loops than this only the newest are shown.
+_MOST_REFUSED = 300
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,5 +110,12 @@ def _links(snapshot: Snapshot, rows: dict[int, int]) -> dict[LinkKind, Ints]:
         kind = _KINDS.get(link.type)
         if kind is not None and link.from_id in rows and link.to_id in rows:
             found[kind].append((rows[link.from_id], rows[link.to_id]))
+    found[LinkKind.REFUSED] = _refused(snapshot, rows)
     ordered = {kind: sorted(pairs, key=lambda pair: (max(pair), min(pair))) for kind, pairs in found.items()}
     return {kind: np.array(pairs, dtype=np.int64).reshape(-1, 2) for kind, pairs in ordered.items()}
+
+
+def _refused(snapshot: Snapshot, rows: dict[int, int]) -> list[Pair]:
+    looked_at = [row.candidate for pair, row in snapshot.candidates.items() if pair not in snapshot.links]
+    pairs = [(rows[c.from_id], rows[c.to_id]) for c in looked_at if c.from_id in rows and c.to_id in rows]
+    return sorted(pairs, key=max)[-_MOST_REFUSED:]

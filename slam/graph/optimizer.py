@@ -141,12 +141,14 @@ def _run(
 
 def _at_minimum(factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, before: float) -> bool:
     """Whether even the linearised problem promises no decrease worth the name."""
+    if before < 1e-9:
+        return True
     linear = factors.linearize(values)
     try:
         promised = 2.0 * linear.error(linear.optimize())
     except RuntimeError:
         return False
-    return before - promised <= _STUCK * before or before < 1e-9
+    return before - promised <= _STUCK * before
 
 
 def _factors(links: Sequence[Link]) -> tuple[gtsam.NonlinearFactorGraph, int]:

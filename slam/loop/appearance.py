@@ -25,8 +25,9 @@ class AppearanceLoops:
             params: LoopThr, AggressiveLoopThr and LoopRatio are read.
         """
         previous, self._last_value = self._last_value, posterior.value
-        name = "Rtabmap/LoopThr" if connected else "RGBD/AggressiveLoopThr"
-        threshold = params.Rtabmap.LoopThr if connected else params.RGBD.AggressiveLoopThr
+        aggressive = not connected and params.RGBD.AggressiveLoopThr < 1.0
+        name = "RGBD/AggressiveLoopThr" if aggressive else "Rtabmap/LoopThr"
+        threshold = params.RGBD.AggressiveLoopThr if aggressive else params.Rtabmap.LoopThr
         if len(posterior.node_ids) < 2:
             return Refusal("places", float(len(posterior.node_ids)), 2.0, "fewer than 2 places in working memory")
         if posterior.value < threshold:

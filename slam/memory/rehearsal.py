@@ -1,4 +1,4 @@
-"""Rehearsal: a node that looks like the last one makes that one weigh more, and may merge with it."""
+"""Rehearsal: a node that looks like the last one makes that one weigh more; and when a node counts as moved."""
 
 from __future__ import annotations
 
@@ -13,12 +13,11 @@ from slam.types import Node
 
 @dataclass(frozen=True, slots=True)
 class Rehearsal:
-    """Outcome: how alike both are, the weight that the older node gets, and whether the new one merges into it."""
+    """Outcome: the older node, how alike both are, and the weight that the older one gets."""
 
     node_id: int
     similarity: float
     weight: int
-    merged: bool
 
 
 def rehearse(node: Node, memory: Memory, params: Params) -> Rehearsal | None:
@@ -30,7 +29,7 @@ def rehearse(node: Node, memory: Memory, params: Params) -> Rehearsal | None:
     if alike < params.Mem.RehearsalSimilarity:
         return None
     weight = memory.weights[last_id] + node.weight + 1
-    return Rehearsal(last_id, alike, weight, merged=not moved(memory.nodes[last_id], node, params))
+    return Rehearsal(last_id, alike, weight)
 
 
 def moved(last: Node, node: Node, params: Params) -> bool:

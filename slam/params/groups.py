@@ -54,7 +54,6 @@ class MemGroup(Group):
     )
     RecentWmRatio: float = param(0.2, "Newest share of working memory that never goes to long-term memory.", ge=0, le=1)
     TransferSortingByWeightId: bool = param(False, "Transfer by weight and id, whatever the time in memory.")
-    NotLinkedNodesKept: bool = param(True, "Keep merged and dropped nodes in the file (weight -9).")
     ImageCompressionFormat: str = Field(
         ".jpg",
         pattern=r"^\.(jpg|png)$",

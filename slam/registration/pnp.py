@@ -53,12 +53,12 @@ def solve_pnp(
     best, inliers = (np.eye(4) if T_ref_base is None else T_ref_base), none
     if T_ref_base is not None:
         T_cam_ref = T_cam_base @ inverse(T_ref_base)
-        T_cam_ref, inliers, _ = refine_pose(T_cam_ref, points_ref, pixels64, inverse_depth, intrinsics)
+        T_cam_ref, inliers = refine_pose(T_cam_ref, points_ref, pixels64, inverse_depth, intrinsics)
         best = inverse(T_cam_ref) @ T_cam_base
     if inliers.mean() < _GUESS_SUFFICES:
         found = _ransac(points_ref, pixels64, camera, params)
         if found is not None:
-            T_cam_ref, agreed, _ = refine_pose(found, points_ref, pixels64, inverse_depth, intrinsics)
+            T_cam_ref, agreed = refine_pose(found, points_ref, pixels64, inverse_depth, intrinsics)
             if agreed.sum() > inliers.sum():
                 best, inliers = inverse(T_cam_ref) @ T_cam_base, agreed
     return best, inliers

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 def refine_pose(
     T_cam_ref: Pose, points_ref: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, *, rounds: int = 3
-) -> tuple[Pose, NDArray[np.bool_], Array]:
+) -> tuple[Pose, NDArray[np.bool_]]:
     """Robust Levenberg-Marquardt (Cauchy kernel, then outliers left out) from a first guess.
 
     Args:
@@ -41,12 +41,12 @@ def refine_pose(
         rounds: how often outliers are chosen anew.
 
     Returns:
-        The pose, the inliers (N,) and the (6, 6) normal matrix of the inliers.
+        The pose and the inliers (N,).
     """
-    T, inliers, H = _refine(
+    T, inliers = _refine(
         T_cam_ref[:3, :3].copy(), T_cam_ref[:3, 3].copy(), points_ref, pixels, inverse_depth, intrinsics, rounds
     )
-    return normalized(T), inliers, H
+    return normalized(T), inliers
 
 
 @njit(cache=True)
@@ -160,7 +160,7 @@ def _normal_equations(
 @njit(cache=True)
 def _descend(
     R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, used: NDArray[np.bool_]
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array]:
     """Levenberg-Marquardt: steps that don't lower the cost are taken back."""
     cost = _cost(R, t, points, pixels, inverse_depth, intrinsics, used)
     damping = 1e-6
@@ -184,18 +184,17 @@ def _descend(
             damping = max(1e-4, damping * 10.0)
             if np.sqrt(np.sum(step * step)) < 1e-9:
                 break
-    return R, t, H
+    return R, t
 
 
 @njit(cache=True)
 def _refine(
     R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, rounds: int
-) -> tuple[Array, NDArray[np.bool_], Array]:
+) -> tuple[Array, NDArray[np.bool_]]:
     inliers = np.ones(len(points), np.bool_)
-    H = np.zeros((6, 6))
     r, p = np.zeros(3), np.zeros(3)
     for _ in range(rounds):
-        R, t, H = _descend(R, t, points, pixels, inverse_depth, intrinsics, inliers)
+        R, t = _descend(R, t, points, pixels, inverse_depth, intrinsics, inliers)
         for i in range(len(points)):
             w = inverse_depth[i]
             chi2 = residual(R, t, points[i], pixels[i, 0], pixels[i, 1], w, intrinsics, r, p)
@@ -203,4 +202,4 @@ def _refine(
     T = np.eye(4)
     T[:3, :3] = R
     T[:3, 3] = t
-    return T, inliers, H
+    return T, inliers

@@ -20,7 +20,7 @@ ratios = st.sampled_from([0.5, 0.8, 0.95, 1.0])
 
 def hamming(a: Descriptors, b: Descriptors) -> NDArray[np.int64]:
     """(N, M) differing bits, the obvious way."""
-    return np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2).astype(np.int64)
+    return np.asarray(np.unpackbits(a[:, None] ^ b[None], axis=2).sum(axis=2), np.int64)
 
 
 def look_alikes(seed: int, count_from: int, count_to: int) -> tuple[Descriptors, Descriptors]:
@@ -129,6 +129,15 @@ def test_a_rival_outside_the_window_does_not_make_a_match_ambiguous() -> None:
     assert match_near(there, query, pixels, twins, radius=10.0, ratio=0.8).tolist() == [[0, 0]]
     assert len(match_near(there, query, pixels, twins, radius=60.0, ratio=0.8)) == 0
     assert len(match_all(query, twins, ratio=0.8)) == 0
+
+
+@pytest.mark.parametrize(("bits", "matched"), [(15, True), (16, True), (17, False)])
+def test_the_nearest_must_be_nearer_by_the_ratio(bits: int, matched: bool) -> None:
+    query = random_descriptors(1, 2)
+    two = np.array([flipped(query[0], range(bits)), flipped(query[0], range(100, 120))])  # 20 away: up to 0.8 x 20
+    assert len(match_all(query, two, ratio=0.8)) == matched
+    spot = np.zeros((1, 2), np.float32)
+    assert len(match_near(spot, query, np.zeros((2, 2), np.float32), two, radius=1.0, ratio=0.8)) == matched
 
 
 @pytest.mark.parametrize(("bits", "matched"), [(MAX_DISTANCE, True), (MAX_DISTANCE + 1, False)])

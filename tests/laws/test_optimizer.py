@@ -19,6 +19,7 @@ from slam.graph.optimizer import MAX_INFORMATION, MIN_INFORMATION, chi2
 from slam.params import Params
 from slam.types import Link, LinkType
 from tests.graphs import circles, stacked, truth
+from tests.nodes import chain
 
 PARAMS = Params()
 TIGHT = PARAMS.changed({"Optimizer/Epsilon": 1e-12, "Optimizer/Iterations": 100})
@@ -238,3 +239,11 @@ def test_published_minima(
     assert (len(graph), len(raw)) == (vertices, edges)
     # Over the file's own edges: manhattan has pairs with several, which the graph holds as one.
     assert chi2(raw, result.poses) == pytest.approx(minimum, abs=tolerance)
+
+
+def test_a_long_graph_without_any_error_is_solved_already() -> None:
+    # The linearised chain of 3000 links is too ill-conditioned to ask what it promises.
+    graph = chain(3000, spacing=0.3)
+    result = optimize(graph, PARAMS)
+    assert result.chi2_after == 0
+    np.testing.assert_allclose(stacked(result.poses), stacked(graph.poses), atol=1e-9)

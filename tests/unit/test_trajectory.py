@@ -17,9 +17,9 @@ def frame(index: int, node_id: int, ahead: float | None, *, known: bool = True) 
 def test_frames_hang_on_their_nodes() -> None:
     frames = [frame(0, 1, 0.0), frame(1, 1, 0.5), frame(2, 2, 0.0), frame(3, 2, 0.25)]
     path = assemble(frames, {1: at(0.0), 2: at(1.0, 0.0, 90.0)})
-    np.testing.assert_allclose(path.T_map_base[:, :2, 3], [[0, 0], [0.5, 0], [1, 0], [1, 0.25]], atol=1e-12)
+    np.testing.assert_allclose(path.T_map_base[:, :2, 3], np.array([[0, 0], [0.5, 0], [1, 0], [1, 0.25]]), atol=1e-12)
     moved = assemble(frames, {1: at(0.0), 2: at(2.0)})
-    np.testing.assert_allclose(moved.T_map_base[:, :2, 3], [[0, 0], [0.5, 0], [2, 0], [2.25, 0]], atol=1e-12)
+    np.testing.assert_allclose(moved.T_map_base[:, :2, 3], np.array([[0, 0], [0.5, 0], [2, 0], [2.25, 0]]), atol=1e-12)
     assert path.stamps.tolist() == [0.0, 0.1, 0.2, 0.1 * 3]
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Literal
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Error, Page, Route, ViewportSize, expect, sync_playwright
 
 from tests.web.served import SMALL_TOUR, Served, make_map
 
@@ -21,9 +23,21 @@ FLAGS = (
     "--disable-component-update",
     "--no-first-run",
 )
-VIEWPORT = {"width": 1280, "height": 720}
+VIEWPORT: ViewportSize = {"width": 1280, "height": 720}
 
 OpenPage = Callable[..., Page]
+
+#: Drawing in software keeps a small machine busy: patience costs nothing where all is well.
+PATIENCE_MS = 30_000
+expect.set_options(timeout=PATIENCE_MS)
+
+
+def until(page: Page, condition: str, argument: object = None, seconds: float = 90.0) -> None:
+    """Waits until a function of JavaScript is true; Playwright's own way needs what the page's policy forbids."""
+    deadline = time.monotonic() + seconds
+    while not page.evaluate(condition, argument):
+        assert time.monotonic() < deadline, f"not within {seconds:g} s: {condition}"
+        page.wait_for_timeout(200)
 
 
 @pytest.fixture(scope="session")
@@ -59,16 +73,36 @@ def library(finished_map: Path, tmp_path_factory: pytest.TempPathFactory) -> Ite
 
 @pytest.fixture
 def open_page(browser: Browser) -> Iterator[OpenPage]:
-    """Opens a server's page at a place (a hash); what goes wrong in the page fails the test."""
+    """Opens a server's page at a place (a hash); what goes wrong in the page fails the test.
+
+    The 3D view stays empty unless ``in_3d``: drawing it in software would take most of the time.
+    """
     contexts = []
     wrong: list[str] = []
 
-    def opened(server: Served, place: str = "", theme: str = "dark") -> Page:
+    def leave_empty(route: Route) -> None:
+        route.fulfill(body="<!doctype html>", content_type="text/html")
+
+    def note_error(error: Error) -> None:
+        # viser tries whether it may compile text into code, and does without when it may not.
+        if "unsafe-eval" not in str(error):
+            wrong.append(str(error))
+
+    def note_refusal(said: ConsoleMessage) -> None:
+        if "Content Security Policy" in said.text and "unsafe-eval" not in said.text:
+            wrong.append(said.text)
+
+    def opened(
+        server: Served, place: str = "", theme: Literal["dark", "light"] = "dark", *, in_3d: bool = False
+    ) -> Page:
         context = browser.new_context(viewport=VIEWPORT, color_scheme=theme)
         contexts.append(context)
         page = context.new_page()
-        page.on("pageerror", lambda error: wrong.append(str(error)))
-        page.on("console", lambda said: wrong.append(said.text) if "Content Security Policy" in said.text else None)
+        page.set_default_timeout(PATIENCE_MS)
+        if not in_3d:
+            page.route("**/viser/**", leave_empty)
+        page.on("pageerror", note_error)
+        page.on("console", note_refusal)
         page.goto(server.url)
         if place:
             page.goto(server.base + place)

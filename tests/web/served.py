@@ -36,7 +36,8 @@ class Served:
         )
         self.lines: Queue[str] = Queue()
         assert self.process.stdout is not None
-        Thread(target=self._read, args=(self.process.stdout,), daemon=True).start()
+        self._reader = Thread(target=self._read, args=(self.process.stdout,), daemon=True)
+        self._reader.start()
         self.url = self._address()
 
     @property
@@ -47,11 +48,21 @@ class Served:
     def close(self) -> None:
         """Ends the process in order."""
         self.process.terminate()
+        self._end()
+
+    def kill(self) -> None:
+        """Ends the process as a crash would."""
+        self.process.kill()
+        self._end()
+
+    def _end(self) -> None:
         self.process.wait(30)
+        self._reader.join(30)
 
     def _read(self, pipe: IO[str]) -> None:
-        for line in pipe:
-            self.lines.put(line)
+        with pipe:
+            for line in pipe:
+                self.lines.put(line)
 
     def _address(self) -> str:
         said: list[str] = []

@@ -12,23 +12,23 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
-from tests.web.conftest import OpenPage
+from tests.web.conftest import OpenPage, until
 from tests.web.served import SMALL_TOUR, Served
 
 SLOW = 60_000
 
 
+def children(pid: int) -> list[int]:
+    """Processes that a process has started."""
+    found = subprocess.run(["pgrep", "--parent", str(pid)], capture_output=True, text=True, check=False)
+    return [int(line) for line in found.stdout.split()]
+
+
 def engine_pids(server: Served) -> list[int]:
-    """Processes that the server has started for its engine."""
+    """The server's engines: split off a process that the server has started."""
     if shutil.which("pgrep") is None:
         pytest.skip("needs pgrep to find the engine's process")
-    found = subprocess.run(
-        ["pgrep", "--parent", str(server.process.pid), "--full", "spawn_main"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return [int(line) for line in found.stdout.split()]
+    return [pid for child in children(server.process.pid) for pid in children(child)]
 
 
 def test_a_server_that_is_gone_is_said_and_reconnected_to(
@@ -38,8 +38,7 @@ def test_a_server_that_is_gone_is_said_and_reconnected_to(
     server = Served("serve", str(tmp_path), "--port", "0", "--no-token")
     page = open_page(server, "#/map/flat/loops")
     expect(page.get_by_role("row").nth(1)).to_be_visible()
-    server.process.kill()
-    server.process.wait()
+    server.kill()
     gone = page.locator("#server-gone")
     expect(gone).to_contain_text("slamdeck serve", timeout=SLOW)
     expect(page.get_by_role("row").nth(1)).to_be_visible()  # what had arrived stays
@@ -74,9 +73,7 @@ def test_a_dead_engine_leaves_page_and_map_alive(tmp_path: Path, open_page: Open
     page = open_page(server)
     try:
         expect(page).to_have_url(re.compile("#/map/live"), timeout=SLOW)
-        page.wait_for_function(
-            "Number(/node ([\\d,]+)/.exec(document.querySelector('header').innerText)?.[1]) >= 5", timeout=SLOW
-        )
+        until(page, "() => Number(/node ([\\d,]+)/.exec(document.querySelector('header').innerText)?.[1]) >= 5")
         (engine,) = engine_pids(server)
         os.kill(engine, signal.SIGKILL)
         banner = page.locator("#engine-dead")

@@ -14,6 +14,8 @@ from tests.web.conftest import OpenPage
 from tests.web.served import Served
 
 LOOPS = "#/map/flat/loops"
+#: The first decision starts a process.
+SLOW = 90_000
 
 
 @pytest.fixture(scope="module")
@@ -82,13 +84,13 @@ def test_reject_shows_the_effect_and_undo_takes_it_back(own: Served, open_page: 
     row = page.get_by_role("row", selected=True)
     page.keyboard.press("r")
     effect = page.locator("#effect")
-    expect(effect).to_contain_text(f"Rejected {name}", timeout=15_000)
+    expect(effect).to_contain_text(f"Rejected {name}", timeout=SLOW)
     expect(effect).to_contain_text(re.compile(r"χ² [\d.]+ → [\d.]+"))
     expect(effect).to_contain_text(re.compile(r"moved \d+ poses?"))
     expect(effect).to_contain_text("ATE")
     expect(row).to_contain_text("rejected")
     page.keyboard.press("u")
-    expect(effect).to_contain_text(f"Undid {name}", timeout=15_000)
+    expect(effect).to_contain_text(f"Undid {name}", timeout=SLOW)
     expect(row).to_contain_text("accepted")
     page.get_by_role("link", name="Journal").click()
     entries = page.get_by_role("listitem").filter(has_text=name)
@@ -100,9 +102,9 @@ def test_approve_by_button_is_journalled(own: Served, open_page: OpenPage) -> No
     page = open_page(own, LOOPS)
     key = first_accepted(page)
     page.locator("#approve").click()
-    expect(page.locator("#effect")).to_contain_text("Approved", timeout=15_000)
+    expect(page.locator("#effect")).to_contain_text("Approved", timeout=SLOW)
     expect(page.get_by_role("row", selected=True)).to_contain_text("approved")
     reopened = open_page(own, f"{LOOPS}/{key}")
     expect(reopened.get_by_role("row", selected=True)).to_contain_text("approved")
     reopened.keyboard.press("u")
-    expect(reopened.get_by_role("row", selected=True)).to_contain_text("accepted", timeout=15_000)
+    expect(reopened.get_by_role("row", selected=True)).to_contain_text("accepted", timeout=SLOW)

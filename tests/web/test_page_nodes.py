@@ -14,9 +14,11 @@ NODES = "#/map/flat/nodes"
 
 def painted(page: Page, label: str) -> int:
     """How many colours a canvas shows."""
-    return page.get_by_role("img", name=label).evaluate(
-        """canvas => new Set(new Uint32Array(
-            canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size"""
+    return int(
+        page.get_by_role("img", name=label).evaluate(
+            """canvas => new Set(new Uint32Array(
+                canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size"""
+        )
     )
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.web.conftest import OpenPage
+from tests.web.conftest import OpenPage, until
 from tests.web.served import SMALL_TOUR, Served
 
 LIVE = re.compile(r"#/map/live")
@@ -50,10 +50,6 @@ def nodes(page: Page) -> int:
     return int(found[1].replace(",", "")) if found else 0
 
 
-def wait_until(page: Page, condition: str, argument: object = None) -> None:
-    page.wait_for_function(condition, arg=argument, timeout=SLOW)
-
-
 WM_AT_LEAST = "n => Number(/WM ([\\d,]+)/.exec(document.querySelector('.strip')?.innerText)?.[1] ?? 0) >= n"
 LTM_AT_LEAST = "n => Number(/LTM ([\\d,]+)/.exec(document.querySelector('.strip')?.innerText)?.[1] ?? 0) >= n"
 
@@ -68,11 +64,11 @@ def set_parameter(page: Page, name: str, value: str) -> None:
 
 
 def test_charts_grow_while_it_maps(running: Page) -> None:
-    wait_until(running, WM_AT_LEAST, 5)
+    until(running, WM_AT_LEAST, 5)
     assert figure(running, "Update time", r"([\d.]+) ms") > 0
     assert figure(running, "Hypothesis", r"([\d.]+)") >= 0
     before = nodes(running)
-    wait_until(running, WM_AT_LEAST, 12)
+    until(running, WM_AT_LEAST, 12)
     assert nodes(running) > before
     lines = running.locator(".strip .u-wrap canvas").first.evaluate(
         """canvas => new Set(new Uint32Array(
@@ -82,7 +78,7 @@ def test_charts_grow_while_it_maps(running: Page) -> None:
 
 
 def test_pause_step_resume_and_stop(running: Page) -> None:
-    wait_until(running, WM_AT_LEAST, 2)
+    until(running, WM_AT_LEAST, 2)
     running.locator("#run-toggle").click()
     state = running.locator(".run-state")
     expect(state).to_have_text("paused", timeout=SLOW)
@@ -113,11 +109,11 @@ def test_pause_step_resume_and_stop(running: Page) -> None:
 
 def test_time_threshold_sends_nodes_to_long_term_memory(running: Page) -> None:
     running.get_by_role("link", name="Params").click()
-    wait_until(running, WM_AT_LEAST, 15)
+    until(running, WM_AT_LEAST, 15)
     assert figure(running, "Memory", r"LTM ([\d,]+)") <= 0
     set_parameter(running, "Rtabmap/TimeThr", "1")
     expect(running.locator(".strip")).to_contain_text("TimeThr 1 ms")
-    wait_until(running, LTM_AT_LEAST, 3)
+    until(running, LTM_AT_LEAST, 3)
 
 
 def test_a_value_out_of_bounds_is_refused_and_the_old_one_stays(running: Page) -> None:
@@ -136,12 +132,10 @@ def test_loop_threshold_decides_whether_loops_come(running: Page) -> None:
     set_parameter(running, "Rtabmap/LoopThr", "1")
     expect(running.locator(".strip")).to_contain_text("LoopThr 1")
     # The second round begins at about node 70.
-    wait_until(running, WM_AT_LEAST, 75)
+    until(running, WM_AT_LEAST, 75)
     expect(running.locator('[data-name="Rtabmap/LoopThr"] .foresight')).to_contain_text("reached by 0 of")
     closed = figure(running, "Hypothesis", r"▾ ([\d,]+)")
     set_parameter(running, "Rtabmap/LoopThr", "0.11")
-    wait_until(
-        running, "n => Number(/▾ ([\\d,]+)/.exec(document.querySelector('.strip').innerText)?.[1]) >= n", closed + 5
-    )
+    until(running, "n => Number(/▾ ([\\d,]+)/.exec(document.querySelector('.strip').innerText)?.[1]) >= n", closed + 5)
     running.get_by_role("link", name="Loops").click()
     expect(running.get_by_role("row").filter(has_text="global").first).to_be_visible(timeout=SLOW)

@@ -13,8 +13,7 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
-from server.scene import palette
-from slam.types import Tier
+from server.scene.colours import DARK
 from tests.web.conftest import OpenPage
 from tests.web.served import Served
 
@@ -54,9 +53,9 @@ def wait_for_picture(page: Page, colour: tuple[int, int, int]) -> NDArray[np.uin
 
 
 def test_the_graph_is_there_and_layers_switch(viewed: Served, open_page: OpenPage) -> None:
-    page = open_page(viewed, "#/map/flat/loops")
-    image = wait_for_picture(page, palette.TIERS[Tier.WM])
-    assert near(image, palette.LOOP).sum() > 30, "loop links stand out"
+    page = open_page(viewed, "#/map/flat/loops", in_3d=True)
+    image = wait_for_picture(page, DARK.wm)
+    assert near(image, DARK.loop).sum() > 30, "loop links stand out"
     legend = page.get_by_role("list", name="Legend")
     expect(legend).to_contain_text(re.compile(r"WM \d+"))
     cloud = page.get_by_role("button", name="Cloud", exact=True)
@@ -80,7 +79,7 @@ def click_colour(page: Page, rgb: tuple[int, int, int], reached: re.Pattern[str]
     box = page.locator("iframe.scene-frame").bounding_box()
     assert box
     kernel = np.ones((3, 3), np.uint8)
-    inner = cv2.erode(near(image, rgb).astype(np.uint8), kernel) if rgb == palette.TIERS[Tier.WM] else near(image, rgb)
+    inner = cv2.erode(near(image, rgb).astype(np.uint8), kernel) if rgb == DARK.wm else near(image, rgb)
     ys, xs = np.nonzero(inner)
     for i in np.linspace(0, len(xs) - 1, 12).astype(int):
         page.mouse.click(box["x"] + float(xs[i]), box["y"] + float(ys[i]))
@@ -99,26 +98,26 @@ def without_cloud(page: Page) -> None:
 
 
 def test_a_click_on_a_node_opens_it(viewed: Served, open_page: OpenPage) -> None:
-    page = open_page(viewed, "#/map/flat/stats")
+    page = open_page(viewed, "#/map/flat/stats", in_3d=True)
     without_cloud(page)
-    click_colour(page, palette.TIERS[Tier.WM], re.compile(r"/nodes/\d+"))
+    click_colour(page, DARK.wm, re.compile(r"/nodes/\d+"))
     expect(page.get_by_role("region", name=re.compile(r"Node \d+"))).to_be_visible()
 
 
 def test_a_click_on_a_loop_link_opens_its_evidence(viewed: Served, open_page: OpenPage) -> None:
-    page = open_page(viewed, "#/map/flat/stats")
+    page = open_page(viewed, "#/map/flat/stats", in_3d=True)
     without_cloud(page)
-    click_colour(page, palette.LOOP, re.compile(r"/loops/\d+-\d+"))
+    click_colour(page, DARK.loop, re.compile(r"/loops/\d+-\d+"))
     expect(page.get_by_role("region", name=re.compile(r"Link \d+ to \d+"))).to_be_visible()
 
 
 def test_what_is_chosen_in_a_table_is_marked_in_3d(viewed: Served, open_page: OpenPage) -> None:
-    page = open_page(viewed, "#/map/flat/nodes")
+    page = open_page(viewed, "#/map/flat/nodes", in_3d=True)
     without_cloud(page)
-    before = wait_for_picture(page, palette.TIERS[Tier.WM])
+    before = wait_for_picture(page, DARK.wm)
     page.get_by_role("row").nth(4).click()
     for _ in range(20):
         page.wait_for_timeout(1000)
-        if near(seen(page), palette.SELECTED).sum() > near(before, palette.SELECTED).sum() + 10:
+        if near(seen(page), DARK.selected).sum() > near(before, DARK.selected).sum() + 10:
             return
     raise AssertionError("nothing is marked in the 3D view")

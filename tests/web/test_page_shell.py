@@ -39,7 +39,7 @@ def test_every_view_reopens_from_its_link(library: Served, open_page: OpenPage, 
 
 
 def test_the_3d_view_stays_while_views_change(library: Served, open_page: OpenPage) -> None:
-    page = open_page(library, "#/map/flat/loops")
+    page = open_page(library, "#/map/flat/loops", in_3d=True)
     frame = page.locator("iframe.scene-frame")
     expect(frame).to_be_attached()
     frame.evaluate("frame => { frame.contentWindow.mark = 1; }")

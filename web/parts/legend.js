@@ -9,6 +9,12 @@ export const STM = "Memory/Short_time_memory_size/";
 export const WM = "Memory/Working_memory_size/";
 export const LTM = "Memory/Long_term_memory_size/";
 
+const LOOPS = /** @type {[string, string, string][]} */ ([
+  ["GlobalClosure", "loop", "loop"],
+  ["LocalSpaceClosure", "near", "proximity"],
+  ["UserClosure", "hand", "by hand"],
+]);
+
 export function Legend() {
   const now = scene.value;
   if (!now) return null;
@@ -25,11 +31,13 @@ export function Legend() {
 /** @param {string} colour @returns {Entry[]} */
 function graphEntries(colour) {
   const nodes = colour === "memory" ? memoryEntries() : rampEntries(colour);
-  return [
-    ...nodes,
-    { token: "loop", label: `loop ${text.whole(info.value?.loops ?? 0)}`, kind: "line" },
-    { token: "refused", label: "refused", kind: "dash" },
-  ];
+  return [...nodes, ...LOOPS.flatMap(([type, token, label]) => loopEntry(type, token, label))];
+}
+
+/** @param {string} type @param {string} token @param {string} label @returns {Entry[]} */
+function loopEntry(type, token, label) {
+  const count = info.value?.links[type] ?? 0;
+  return count ? [{ token, label: `${label} ${text.whole(count)}`, kind: "line" }] : [];
 }
 
 /** @returns {Entry[]} */

@@ -26,7 +26,7 @@ import { useChanged, useFetched } from "./use.js";
  */
 
 /** @param {EvidenceProps} props */
-export function LinkEvidence({ map, link, onStep, onDecided }) {
+export function LinkEvidence({ map, link, row, onStep, onDecided }) {
   const [from, to] = link.split("-").map(Number);
   const { data, error, reload } = useFetched(
     (signal) => get("/api/maps/{map}/links/{from_id}/{to_id}", { path: { map, from_id: from, to_id: to }, signal }),
@@ -36,9 +36,11 @@ export function LinkEvidence({ map, link, onStep, onDecided }) {
   if (error.value) return h(Failed, { error: error.value, what: `Link ${from} → ${to} can't be shown.`, onRetry: reload });
   const found = data.value;
   const decided = () => (reload(), onDecided());
+  // The row of the queue knows enough to decide before the evidence is here.
+  const known = found ?? row;
   return html`<section class="evidence" aria-label=${`Link ${from} to ${to}`}>
     <div class="evidence-body">${found ? details(map, found) : h(Loading, {})}</div>
-    ${h(DecisionBar, { from, to, state: found?.state ?? null, type: found?.type ?? null, onStep, onDecided: decided })}
+    ${h(DecisionBar, { from, to, state: known?.state ?? null, type: known?.type ?? null, onStep, onDecided: decided })}
   </section>`;
 }
 

@@ -1,8 +1,10 @@
 // The 3D view: an iframe that stays while views come and go, layer chips above it, a legend below.
+import { useEffect } from "preact/hooks";
 import { h, html } from "../html.js";
 import { setScene } from "../actions.js";
 import { openMapId } from "../router.js";
 import { info, scene } from "../store.js";
+import { theme } from "../theme.js";
 import { Chip } from "./button.js";
 import { Legend } from "./legend.js";
 import { SceneFrame } from "./scene_frame.js";
@@ -21,6 +23,8 @@ const COLOURS = ["memory", "session", "time", "weight"];
 
 export function SceneView() {
   const map = openMapId.value;
+  const other = scene.value && scene.value.dark !== (theme.value === "dark");
+  useEffect(() => void (other && setScene({ dark: theme.value === "dark" })), [map, other, theme.value]);
   if (!map) return null;
   return html`<section class="scene" aria-label="3D view">
     ${h(SceneFrame, { key: map, map })}

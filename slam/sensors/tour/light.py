@@ -40,9 +40,9 @@ class Light:
         normal /= np.linalg.norm(normal)
         u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
         points = np.array(face.origin) + u.reshape(-1, 1) * right + v.reshape(-1, 1) * down + 0.01 * normal
-        out = np.empty((rows * columns, 3))
-        room = np.array([WIDTH, DEPTH, HEIGHT])
-        _gather(points, normal, self._blocks, self._places, self._axes, self._colors, _hemisphere(normal), room, out)
+        out = np.zeros((rows * columns, 3))
+        _add_ambient(points, _hemisphere(normal), self._blocks, np.array([WIDTH, DEPTH, HEIGHT]), out)
+        _add_direct(points, normal, self._blocks, self._places, self._axes, self._colors, out)
         return out.reshape(rows, columns, 3).astype(np.float32)
 
     def shine(self, face: Face, texture: NDArray[np.uint8]) -> None:
@@ -92,45 +92,51 @@ def _hit(
 
 
 @njit(cache=True, nogil=True)
-def _gather(
+def _add_ambient(
+    points: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    blocks: NDArray[np.float64],
+    room: NDArray[np.float64],
+    out: NDArray[np.float64],
+) -> None:
+    """Add the light that comes from everywhere, by how far one sees from each point in directions (D, 3)."""
+    for p in range(len(points)):
+        seen = 0.0
+        for d in range(len(directions)):
+            way = directions[d]
+            limit = REACH_M
+            for axis in range(3):
+                if way[axis] > 1e-9:
+                    limit = min(limit, (room[axis] - points[p, axis]) / way[axis])
+                elif way[axis] < -1e-9:
+                    limit = min(limit, -points[p, axis] / way[axis])
+            seen += _hit(points[p], way, blocks, limit, True) / REACH_M
+        for c in range(3):
+            out[p, c] += _AMBIENT[c] * (0.30 + 0.70 * seen / len(directions))
+
+
+@njit(cache=True, nogil=True)
+def _add_direct(
     points: NDArray[np.float64],
     normal: NDArray[np.float64],
     blocks: NDArray[np.float64],
     places: NDArray[np.float64],
     axes: NDArray[np.float64],
     colors: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    room: NDArray[np.float64],
     out: NDArray[np.float64],
 ) -> None:
-    """Direct light with shadows, and ambient light by how far one sees from each point."""
+    """Add the light of every source (S, 3) that shines on a point and is not hidden by a block."""
     for p in range(len(points)):
-        point = points[p]
-        open_share = 0.0
-        for d in range(len(directions)):
-            way = directions[d]
-            limit = REACH_M
-            for axis in range(3):
-                if way[axis] > 1e-9:
-                    limit = min(limit, (room[axis] - point[axis]) / way[axis])
-                elif way[axis] < -1e-9:
-                    limit = min(limit, -point[axis] / way[axis])
-            open_share += _hit(point, way, blocks, limit, True) / REACH_M
-        open_share /= len(directions)
-        for c in range(3):
-            out[p, c] = _AMBIENT[c] * (0.30 + 0.70 * open_share)
         for i in range(len(places)):
-            way = places[i] - point
+            way = places[i] - points[p]
             distance = np.sqrt(way[0] ** 2 + way[1] ** 2 + way[2] ** 2)
-            if distance < 1e-6:
-                continue
             way = way / distance
             facing = way[0] * normal[0] + way[1] * normal[1] + way[2] * normal[2]
             shining = -(way[0] * axes[i, 0] + way[1] * axes[i, 1] + way[2] * axes[i, 2])
             if facing <= 0.0 or shining <= 0.0:
                 continue
-            if _hit(point, way, blocks, distance - 0.02, False) < distance - 0.02:
-                continue
-            strength = facing * shining / (0.35 + distance * distance)
-            for c in range(3):
-                out[p, c] += colors[i, c] * strength
+            reach = distance - 0.02
+            if _hit(points[p], way, blocks, reach, False) >= reach:
+                strength = facing * shining / (0.35 + distance * distance)
+                for c in range(3):
+                    out[p, c] += colors[i, c] * strength

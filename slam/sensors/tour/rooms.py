@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from slam.sensors.tour.face import Plan
+from slam.sensors.tour.paint.boards import chalk_menu, clock, cork_board, screen, sign, white_board, window
 from slam.sensors.tour.paint.canvas import rgb
 from slam.sensors.tour.paint.furniture import (
     book_case,
@@ -31,18 +32,7 @@ from slam.sensors.tour.paint.materials import (
     rug,
     wood,
 )
-from slam.sensors.tour.paint.pictures import (
-    art,
-    chalk_menu,
-    city_map,
-    clock,
-    cork_board,
-    framed,
-    screen,
-    sign,
-    white_board,
-    window,
-)
+from slam.sensors.tour.paint.posters import art, city_map, framed
 
 WIDTH, DEPTH, HEIGHT = 14.0, 10.0, 2.7
 WHITE, SAGE, TEAL, CLAY = rgb(0xEDE8DD), rgb(0xA9B79B), rgb(0x2F6F73), rgb(0xC98A6B)

@@ -151,9 +151,10 @@ def test_a_damaged_file_gives_answers_or_one_error(tmp_path: Path) -> None:
         for _ in range(chance.choice([1, 20, 400])):
             damaged[chance.randrange(100, len(damaged))] = chance.randrange(256)
         path.write_bytes(damaged)
-        for call in (*(partial(_read, call) for call in CALLS), _write):
+        uses: list[Callable[[Path], None]] = [*(partial(_read, call) for call in CALLS), _write]
+        for use in uses:
             try:
-                call(path)
+                use(path)
             except DatabaseError as error:
                 refused += 1
                 assert str(path) in str(error)

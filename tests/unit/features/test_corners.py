@@ -49,6 +49,19 @@ def test_every_strict_peak_is_found(seed: int) -> None:
     assert pixels.tolist() == np.column_stack([x + 1, y + 1]).tolist()
 
 
+@pytest.mark.parametrize("step", [(0, 1), (1, 0), (1, 1), (1, -1)])
+def test_of_two_equal_neighbours_one_is_the_peak(step: tuple[int, int]) -> None:
+    strength = np.zeros((9, 9), np.float32)
+    strength[4, 4] = strength[4 + step[0], 4 + step[1]] = 2.0
+    assert len(corners.local_maxima(strength, 0.0, 1)[0]) == 1
+
+
+def test_a_peak_must_be_above_the_threshold() -> None:
+    strength = np.zeros((9, 9), np.float32)
+    strength[4, 4] = 2.0
+    assert [len(corners.local_maxima(strength, t, 1)[0]) for t in (1.9, 2.0)] == [1, 0]
+
+
 def test_a_flat_image_has_no_corner() -> None:
     assert len(corners.local_maxima(np.zeros((50, 50), np.float32), 0.0, 3)[0]) == 0
 
@@ -56,7 +69,7 @@ def test_a_flat_image_has_no_corner() -> None:
 @quickly
 @given(
     st.lists(st.tuples(st.integers(0, 99), st.integers(0, 79)), max_size=120, unique=True),
-    st.floats(1.0, 50.0),
+    st.one_of(st.floats(1.0, 50.0), st.integers(1, 50).map(float)),
     st.integers(1, 60),
 )
 def test_spread_is_the_greedy_choice(points: list[tuple[int, int]], least: float, limit: int) -> None:

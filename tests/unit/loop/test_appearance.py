@@ -39,6 +39,14 @@ def test_the_threshold_depends_on_whether_the_place_is_joined(value: float, conn
         assert refusal.test in refusal.text
 
 
+@pytest.mark.parametrize(("value", "tried"), [(0.111, True), (0.109, False)])
+def test_without_the_aggressive_threshold_the_usual_one_decides(value: float, tried: bool) -> None:
+    params = PARAMS.changed({"RGBD/AggressiveLoopThr": 1.0})
+    refusal = AppearanceLoops().hypothesis(belief(value), connected=False, params=params)
+    assert (refusal is None) == tried
+    assert refusal is None or refusal.test == "Rtabmap/LoopThr"
+
+
 def test_a_single_place_is_no_choice() -> None:
     refusal = AppearanceLoops().hypothesis(belief(0.9, 1), connected=True, params=PARAMS)
     assert refusal is not None

@@ -113,7 +113,7 @@ def test_one_place_for_each_path_the_likeliest_path_first() -> None:
 def test_what_is_found_keeps_every_limit(seed: int, radius: float, angle: float, paths: int) -> None:
     rng, graph = np.random.default_rng(seed), PoseGraph()
     for node_id in range(1, 61):
-        pose = at(*rng.uniform(-2, 2, 2).tolist(), float(rng.uniform(0, 360)))
+        pose = at(float(rng.uniform(-2, 2)), float(rng.uniform(-2, 2)), float(rng.uniform(0, 360)))
         graph.add_node(node_id, 0, pose, pose)
         if node_id > 1:
             join(graph, node_id, node_id - 1, LinkType.NEIGHBOR)

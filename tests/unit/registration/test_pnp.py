@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from slam.geometry import Pose, between, make, rotation_angle, transform, translation_norm
+from slam.geometry import Pose, between, inverse, make, rotation_angle, transform, translation_norm
 from slam.params import Params
 from slam.registration import pnp
 from slam.registration.pnp import solve_pnp, spread_covariance
@@ -84,7 +84,7 @@ def test_the_same_input_gives_the_same_pose_bit_for_bit() -> None:
 def covariance(seen: View, noise_m: float, seed: int = 0) -> NDArray[np.float64]:
     """Covariance when the view's own points are ``noise_m`` off on each axis."""
     noise = np.random.default_rng(seed).normal(size=seen.points_base.shape) * noise_m
-    measured = transform(np.linalg.inv(seen.T_ref_base), seen.points_ref) + noise
+    measured = transform(inverse(seen.T_ref_base), seen.points_ref) + noise
     return spread_covariance(seen.points_ref, measured.astype(np.float32), seen.T_ref_base, CAMERA, PARAMS)
 
 
@@ -98,7 +98,7 @@ def test_linear_variance_is_the_scaled_quartile_of_the_squared_distances() -> No
     seen = view(1, 100)
     offsets = np.zeros((100, 3))
     offsets[:, 0] = np.random.default_rng(0).permutation(np.arange(100)) * 0.001
-    measured = transform(np.linalg.inv(seen.T_ref_base), seen.points_ref) + offsets
+    measured = transform(inverse(seen.T_ref_base), seen.points_ref) + offsets
     found = spread_covariance(seen.points_ref, measured.astype(np.float32), seen.T_ref_base, CAMERA, PARAMS)
     np.testing.assert_allclose(found.diagonal()[:3], 2.1981 * 0.025**2, rtol=1e-3)
     half = PARAMS.changed({"Vis/PnPVarianceMedianRatio": 2})
@@ -124,7 +124,7 @@ def test_covariance_is_positive_and_as_unsure_of_the_turn_as_of_the_sidestep(see
 def test_a_view_without_depth_is_unsure_but_not_lost(known: int) -> None:
     # 9999 would mean that odometry began anew, and start a session.
     seen = view(1, 50)
-    measured = transform(np.linalg.inv(seen.T_ref_base), seen.points_ref).astype(np.float32)
+    measured = transform(inverse(seen.T_ref_base), seen.points_ref).astype(np.float32)
     measured[known:] = np.nan
     found = spread_covariance(seen.points_ref, measured, seen.T_ref_base, CAMERA, PARAMS).diagonal()
     assert (found < 0.01 * UNKNOWN_VARIANCE).all()

@@ -57,3 +57,19 @@ def test_leaving_early_ends_the_thread() -> None:
     while threading.active_count() > before and time.monotonic() < deadline:
         time.sleep(0.01)
     assert threading.active_count() == before
+
+
+def test_leaving_early_drops_what_was_not_begun() -> None:
+    begun: list[int] = []
+
+    def load(index: int) -> int:
+        begun.append(index)
+        time.sleep(0.05)
+        return index
+
+    items = ahead(100, load)
+    next(items)
+    items.close()
+    count = len(begun)
+    time.sleep(0.3)
+    assert len(begun) == count

@@ -6,7 +6,7 @@ import numpy as np
 
 from slam.sensors.tour.paint.canvas import Canvas, Color, Painter, rgb
 from slam.sensors.tour.paint.materials import WALNUT, wood
-from slam.sensors.tour.paint.pictures import INK, PAPER, SETS, lines_of_text, photo
+from slam.sensors.tour.paint.posters import INK, PAPER, SETS, lines_of_text, photo
 
 SPINES = tuple(color for colors in SETS for color in colors)
 STEEL = rgb(0xB8BCC0)
