@@ -58,10 +58,10 @@ export interface paths {
         get: operations["list_decisions"];
         put?: never;
         /**
-         * Decide
+         * Make Decision
          * @description Approve or reject a loop, undo or redo the last decision; the graph is optimised anew.
          */
-        post: operations["decide"];
+        post: operations["make_decision"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1493,7 +1493,7 @@ export interface operations {
             };
         };
     };
-    decide: {
+    make_decision: {
         parameters: {
             query?: never;
             header?: never;
