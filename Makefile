@@ -22,7 +22,7 @@ help:
 	@touch $@
 
 web/node_modules: web/package-lock.json .venv/slamdeck-dev
-	PATH="$(CURDIR)/$(BIN):$$PATH" npm --prefix web ci --no-audit --no-fund --silent
+	@PATH="$(CURDIR)/$(BIN):$$PATH" NODE_USE_SYSTEM_CA=1 npm --prefix web ci --no-audit --no-fund --loglevel=error
 	@touch $@
 
 demo: .venv/slamdeck

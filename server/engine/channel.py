@@ -11,6 +11,9 @@ from server.engine.commands import Request, Stop
 from server.engine.events import Answer, Event
 from slam.errors import SlamError
 
+#: Seconds; Python 3.11.2 waits for ever when it is asked to wait for less than a microsecond.
+_NO_TIME = 1e-3
+
 
 class Channel:
     """Takes requests from the server and sends events to it.
@@ -40,7 +43,9 @@ class Channel:
     def next(self, timeout: float | None) -> Request | None:
         """The next request; None when there is none within ``timeout`` seconds (None waits for ever)."""
         with suppress(queue.Empty):
-            return self._requests.get(timeout=timeout) if timeout != 0 else self._requests.get_nowait()
+            if timeout is not None and timeout < _NO_TIME:
+                return self._requests.get_nowait()
+            return self._requests.get(timeout=timeout)
         return None
 
     def request_stop(self) -> None:

@@ -98,7 +98,7 @@ def _checked(name: str, value: Value) -> Value:
         bounds = [f">= {said.minimum:g}"] if said.minimum is not None else []
         bounds += [f"<= {said.maximum:g}"] if said.maximum is not None else []
         right = " ".join([said.type, *([" and ".join(bounds)] if bounds else []), said.unit]).strip()
-        raise ParameterError(f"{name}={value!r}: must be {right} ({error.errors()[0]['msg']})") from error
+        raise ParameterError(f"{name}={value!r}: must be {right}") from error
     checked: Value = getattr(model, field_name)
     return checked
 

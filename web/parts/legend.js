@@ -45,7 +45,7 @@ function memoryEntries() {
   void columns.value?.revision.value;
   const stm = columns.value?.last(STM) ?? 0;
   const wm = columns.value?.last(WM) ?? 0;
-  const ltm = Math.max(0, (info.value?.nodes ?? 0) - stm - wm);
+  const ltm = columns.value?.last(LTM) ?? Math.max(0, (info.value?.nodes ?? 0) - stm - wm);
   return [
     { token: "stm", label: `STM ${text.whole(stm)}` },
     { token: "wm", label: `WM ${text.whole(wm)}` },
