@@ -31,7 +31,8 @@ export function Legend() {
 /** @param {string} colour @returns {Entry[]} */
 function graphEntries(colour) {
   const nodes = colour === "memory" ? memoryEntries() : rampEntries(colour);
-  return [...nodes, ...LOOPS.flatMap(([type, token, label]) => loopEntry(type, token, label))];
+  const loops = LOOPS.flatMap(([type, token, label]) => loopEntry(type, token, label));
+  return [...nodes, ...loops, { token: "refused", label: "refused", kind: "dash" }];
 }
 
 /** @param {string} type @param {string} token @param {string} label @returns {Entry[]} */
