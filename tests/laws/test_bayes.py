@@ -125,6 +125,13 @@ def test_a_list_below_one_spreads_the_rest_over_the_others() -> None:
     np.testing.assert_allclose(column, [0.05, *(np.array([0.1, 0.05, 0.5, 0.05, 0.1]) * 0.95 / 0.8)])
 
 
+def test_a_share_below_the_least_value_goes_to_the_virtual_place() -> None:
+    column = transition_matrix(list(range(1, 12)), chain(11), predicting("0.1 0.3 0.1"))[:, 6]
+    assert (column[[1, 2, 3, 4, 8, 9, 10, 11]] == 0).all()  # half of it over ten places is too little for each
+    assert column[0] == pytest.approx(1 - column[5:8].sum())
+    assert column[6] == pytest.approx(0.3 * 0.9 / 0.9)
+
+
 def test_the_virtual_place_stays_or_goes_anywhere() -> None:
     matrix = transition_matrix([1, 2, 3, 4], chain(4), predicting(PARAMS.Bayes.PredictionLC, 0.6))
     np.testing.assert_allclose(matrix[:, 0], [0.6, 0.1, 0.1, 0.1, 0.1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import count, islice
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from slam.database import MapReader, MapWriter
 from slam.errors import ParameterError
 from slam.geometry import between, translation_norm
-from slam.params import Effect, Params, specs
+from slam.params import Effect, Params, ParamSpec, Value, specs
 from slam.slam import Slam
 from slam.types import LinkType, Tier, Update
 from tests.tours import EVERY, Mapped, blank, covered, dense, fed, mapped, sparse, there_and_back, truth
@@ -290,6 +291,32 @@ def test_a_change_that_is_not_allowed_changes_nothing() -> None:
         with pytest.raises(ParameterError):
             slam.set_params(changes)
         assert slam.params is EVERY
+
+
+def test_no_value_within_its_bounds_stops_the_engine() -> None:
+    slam, way = Slam(EVERY.changed({"Rtabmap/MemoryThr": 8})), there_and_back(16)
+    usual = slam.params
+    frames = (replace(way[k % 30], index=k, stamp=way[0].stamp + 0.5 * k) for k in count())
+    fed(slam, islice(frames, 20))
+    for entry in specs():
+        for value in extremes(entry):
+            slam.set_params({entry.name: value})
+            slam.process(next(frames))
+            slam.set_params({entry.name: usual.get(entry.name)})
+    assert all(np.isfinite(T).all() for T in slam.graph.poses.values())
+
+
+def extremes(entry: ParamSpec) -> list[Value]:
+    """The least and the largest value of a live parameter; ten times the default where there is no bound."""
+    if entry.effect is not Effect.LIVE:
+        return []
+    if isinstance(entry.default, bool):
+        return [not entry.default]
+    if isinstance(entry.default, str):
+        return [".png"]
+    far = max(10, 10 * entry.default)
+    bounds = (-far if entry.minimum is None else entry.minimum, far if entry.maximum is None else entry.maximum)
+    return [type(entry.default)(bound) for bound in bounds]
 
 
 def test_a_smaller_short_term_memory_empties_at_the_next_node() -> None:
