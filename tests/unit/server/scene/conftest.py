@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from server.browse.map_view import MapView
@@ -15,8 +14,6 @@ from server.browse.snapshot import Snapshot
 from server.catalog import MapFile
 from slam.database import MapReader
 from tests.unit.server.scene.room_map import write_room_map
-
-viser_scene_api = pytest.importorskip("viser._scene_api")
 
 
 @pytest.fixture(scope="session")
@@ -70,27 +67,18 @@ class Sent:
             found.append((kind, message.name))
         return found
 
-    def numbers(self) -> int:
-        """How many numbers the messages since the last look carry in arrays."""
-        with self._lock:
-            messages, self._messages = self._messages, []
-        return sum(_numbers(message) for message in messages)
-
-
-def _numbers(message: Any) -> int:
-    parts = list(getattr(message, "updates", {}).values()) + list(vars(getattr(message, "props", object)).values())
-    return sum(part.size for part in parts if isinstance(part, np.ndarray))
-
 
 @pytest.fixture
 def sent(monkeypatch: pytest.MonkeyPatch) -> Sent:
     """Records what goes to the browsers."""
+    from viser import SceneApi
+
     recorder = Sent()
-    original = viser_scene_api.SceneApi._queue_scene_message
+    original = SceneApi._queue_scene_message
 
     def recording(self: Any, message: Any) -> None:
         recorder.add(message)
         original(self, message)
 
-    monkeypatch.setattr(viser_scene_api.SceneApi, "_queue_scene_message", recording)
+    monkeypatch.setattr(SceneApi, "_queue_scene_message", recording)
     return recorder

@@ -13,7 +13,7 @@ from server.scene.measure import Measure
 def test_a_node_is_seen_on_the_whole_map_and_small_beside_it(length: float, count: int) -> None:
     positions = np.column_stack([np.linspace(0.0, length, count), np.zeros((count, 2))])
     measure = Measure.of(positions)
-    assert 1 / 400 < measure.node / measure.extent < 1 / 150
+    assert 1 / 400 < measure.node / measure.extent < 1 / 140
     assert measure.frustum > 2 * measure.node
     assert measure.extent >= (length if count > 1 else 0.0)
 
