@@ -106,8 +106,9 @@ def node_colours(graph: PlacedGraph, how: Colouring, look: Theme) -> Colours:
 
 
 def _on_scale(values: NDArray[np.float64]) -> Colours:
-    """Values (N,), the least to the greatest, as colours (N, 3) of the scale."""
+    """Values (N,), the least to the greatest, as colours (N, 3) of the scale in 256 steps."""
     least, greatest = (values.min(), values.max()) if len(values) else (0.0, 0.0)
-    place = (values - least) / max(greatest - least, 1e-9) * (len(_SCALE) - 1)
+    level = np.rint(255.0 * (values - least) / max(greatest - least, 1e-9))
+    place = level / 255.0 * (len(_SCALE) - 1)
     channels = [np.interp(place, np.arange(len(_SCALE)), _SCALE[:, channel]) for channel in range(3)]
     return np.asarray(np.rint(np.column_stack(channels)), dtype=np.uint8)

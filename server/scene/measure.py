@@ -38,5 +38,5 @@ class Measure:
         extent = float(np.hypot(*spread)) + 2.0 * _SIGHT_M
         steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
         gap = float(np.median(steps)) if len(steps) else extent
-        node = float(np.clip(0.3 * gap, 0.0032 * extent, 0.0055 * extent))
+        node = float(np.clip(0.3 * gap, 0.0032 * extent, 0.0065 * extent))
         return cls(extent, node, 3.5 * node, 0.01 * extent, 1.0 if extent < _WIDE_M else 10.0)
