@@ -71,7 +71,8 @@ class Runner:
             self._channel.send(Moved(update.T_map_base))
         if update.node is not None:
             self._channel.send(_node_added(update))
-        if now - self._told > _PROGRESS_SECONDS or update.node is not None:
+        # A single step is told at once: nothing follows it that would tell.
+        if now - self._told > _PROGRESS_SECONDS or update.node is not None or self._paused:
             self._progress(slam)
         self._steps = max(0, self._steps - 1)
 
