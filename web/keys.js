@@ -67,6 +67,6 @@ function pageKeys() {
 function isTaken({ target, key }) {
   if (document.querySelector("dialog[open]")) return true;
   if (!(target instanceof HTMLElement)) return false;
-  if (target.closest("button, a, summary")) return key === " " || key === "Enter";
-  return target.isContentEditable || ["INPUT", "SELECT", "TEXTAREA"].includes(target.tagName);
+  if (target.closest("button, a, summary, [type=checkbox], [type=range]")) return key === " " || key === "Enter";
+  return ["INPUT", "SELECT", "TEXTAREA"].includes(target.tagName);
 }

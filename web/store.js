@@ -1,5 +1,5 @@
 // What more than one part of the page shows. Views fetch what only they show.
-import { batch, computed, effect, signal, untracked } from "@preact/signals";
+import { batch, effect, signal, untracked } from "@preact/signals";
 import { get } from "./api.js";
 import { Columns } from "./columns.js";
 import { on, openings } from "./events.js";
@@ -35,11 +35,9 @@ export const selection = signal(null);
 /** @type {Signal<number>} grows whenever the graph of the open map changed */
 export const graphRevision = signal(0);
 
-/** Whether the engine runs, or waits, on the map that is open. */
-export const isLive = computed(() => {
-  const state = session.value?.state;
-  return session.value?.map === openMapId.value && (state === "running" || state === "paused" || state === "starting");
-});
+const INFO_EVERY_MS = 2000;
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let growing;
 
 /** Value in force of a parameter of the open map. @param {string} name */
 export function inForce(name) {
@@ -99,11 +97,21 @@ function switchMap() {
   void Promise.all([loadInfo(), loadParameters(), loadScene()]);
 }
 
+/** While a map grows its counts are fetched again, but not for every node. */
+function followGrowth() {
+  if (graphRevision.value === 0 || growing) return;
+  growing = setTimeout(() => {
+    growing = undefined;
+    void loadInfo();
+  }, INFO_EVERY_MS);
+}
+
 /** Start following the address and the stream. */
 export function startStore() {
   effect(() => void (openMapId.value, untracked(switchMap)));
   effect(() => void (openings.value > 0 && untracked(refresh)));
   effect(followRoute);
+  effect(followGrowth);
   listen();
 }
 

@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { html } from "../html.js";
 import { color, theme } from "../theme.js";
+import { drawGuides } from "./chart_guides.js";
 
 /** @typedef {(number | null)[]} Column */
 /**
@@ -12,8 +13,8 @@ import { color, theme } from "../theme.js";
  * @property {"line" | "area" | "bars"} [kind]
  * @property {(value: number | null) => string} [text]
  */
-/** @typedef {{value: number, token: string}} Threshold */
-/** @typedef {{at: number, height: number}} Mark a loop, at x, with the hypothesis that led to it; 0 for a proximity one */
+/** @typedef {import("./chart_guides.js").Threshold} Threshold */
+/** @typedef {import("./chart_guides.js").Mark} Mark */
 /**
  * @typedef {object} ChartProps
  * @property {string} label for screen readers
@@ -133,59 +134,6 @@ function fewSplits(_, __, low, high) {
 /** @param {uPlot} _ @param {number[]} splits */
 function seconds(_, splits) {
   return splits.map((at) => (Math.abs(at) >= 120 ? `${Math.floor(at / 60)}:${String(at % 60).padStart(2, "0")}` : `${at} s`));
-}
-
-/** @param {uPlot} u @param {ChartProps} props */
-function drawGuides(u, { thresholds = [], marks = [], stems = false }) {
-  const { ctx, bbox } = u;
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
-  ctx.clip();
-  ctx.strokeStyle = ctx.fillStyle = color("loop");
-  for (const mark of marks) drawMark(u, mark, stems);
-  for (const { value, token } of thresholds) drawThreshold(u, value, color(token));
-  ctx.restore();
-}
-
-/**
- * Triangles while there is room for them, else ticks; stems never wider than half the way to the next one.
- * @param {uPlot} u
- * @param {Mark} mark
- * @param {boolean} stem
- */
-function drawMark(u, { at, height }, stem) {
-  const { ctx, bbox } = u;
-  const px = devicePixelRatio;
-  const x = u.valToPos(at, "x", true);
-  const apart = u.valToPos(at + 1, "x", true) - x;
-  const half = Math.max(0.5 * px, Math.min(3 * px, apart / 2));
-  ctx.globalAlpha = height ? 0.9 : 0.45;
-  ctx.beginPath();
-  ctx.moveTo(x - half, bbox.top);
-  ctx.lineTo(x + half, bbox.top);
-  ctx.lineTo(x, bbox.top + 5 * px);
-  ctx.fill();
-  if (stem && height) {
-    ctx.lineWidth = Math.max(0.5, Math.min(2 * px, apart / 2));
-    ctx.beginPath();
-    ctx.moveTo(x, u.valToPos(0, "y", true));
-    ctx.lineTo(x, u.valToPos(height, "y", true));
-    ctx.stroke();
-  }
-  ctx.globalAlpha = 1;
-}
-
-/** @param {uPlot} u @param {number} value @param {string} stroke */
-function drawThreshold({ ctx, bbox, valToPos }, value, stroke) {
-  const y = Math.round(valToPos(value, "y", true)) + 0.5;
-  ctx.strokeStyle = stroke;
-  ctx.lineWidth = devicePixelRatio;
-  ctx.setLineDash([6, 5]);
-  ctx.beginPath();
-  ctx.moveTo(bbox.left, y);
-  ctx.lineTo(bbox.left + bbox.width, y);
-  ctx.stroke();
 }
 
 /** @param {uPlot} u @param {{current: ChartProps}} latest @param {(zoomed: boolean) => void} setZoomed */

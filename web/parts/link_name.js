@@ -15,12 +15,7 @@ const WORDS = {
   Gravity: ["gravity", "ink-2"],
 };
 
-/** @param {string} type */
-export function linkWord(type) {
-  return WORDS[type]?.[0] ?? type;
-}
-
 /** @param {{type: string}} props */
 export function LinkName({ type }) {
-  return html`<span class=${WORDS[type]?.[1]} title=${type}>${linkWord(type)}</span>`;
+  return html`<span class=${WORDS[type]?.[1]} title=${type}>${WORDS[type]?.[0] ?? type}</span>`;
 }

@@ -18,7 +18,7 @@ const STATES = {
 const SUSPECT_SIGMA = 3;
 
 /** @param {{state: string, hint?: string}} props */
-export function StateBadge({ state, hint }) {
+function StateBadge({ state, hint }) {
   const [tone, word] = STATES[state] ?? ["quiet", state];
   return h(Badge, { tone, hint, children: word });
 }

@@ -9,7 +9,7 @@ import { LTM, STM, WM } from "./legend.js";
 
 export const TIME = "Timing/Total/ms";
 export const HYPOTHESIS = "Loop/Highest_hypothesis_value/";
-export const ACCEPTED = "Loop/Accepted_hypothesis_id/";
+const ACCEPTED = "Loop/Accepted_hypothesis_id/";
 const NEAR = "Proximity/Space_last_detection_id/";
 const NAMES = [TIME, STM, WM, LTM, HYPOTHESIS, ACCEPTED, NEAR];
 

@@ -2,7 +2,7 @@
 import { cx, h, html } from "../html.js";
 import { command } from "../actions.js";
 import * as text from "../format.js";
-import { go, link, openMapId } from "../router.js";
+import { link, openMapId } from "../router.js";
 import { info, session } from "../store.js";
 import { theme, toggleTheme } from "../theme.js";
 import { Button } from "./button.js";
@@ -108,9 +108,4 @@ function RunControls() {
       onClick: () => void command("stop"),
     })}
   </div>`;
-}
-
-export function openSessionMap() {
-  const map = session.value?.map;
-  if (map) go({ map, view: "loops" });
 }

@@ -1,0 +1,62 @@
+// What lies over a chart: dashed threshold lines, and a mark wherever a loop was closed.
+import { color } from "../theme.js";
+
+/** @typedef {import("uplot")} uPlot */
+/** @typedef {{value: number, token: string}} Threshold */
+/** @typedef {{at: number, height: number}} Mark a loop, at x, with the hypothesis that led to it; 0 for a proximity one */
+
+/**
+ * @param {uPlot} u
+ * @param {{thresholds?: Threshold[], marks?: Mark[], stems?: boolean}} guides stems: as high as the mark's value
+ */
+export function drawGuides(u, { thresholds = [], marks = [], stems = false }) {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.strokeStyle = ctx.fillStyle = color("loop");
+  for (const mark of marks) drawMark(u, mark, stems);
+  for (const { value, token } of thresholds) drawThreshold(u, value, color(token));
+  ctx.restore();
+}
+
+/**
+ * Triangles while there is room for them, else ticks; stems never wider than half the way to the next one.
+ * @param {uPlot} u
+ * @param {Mark} mark
+ * @param {boolean} stem
+ */
+function drawMark(u, { at, height }, stem) {
+  const { ctx, bbox } = u;
+  const px = devicePixelRatio;
+  const x = u.valToPos(at, "x", true);
+  const apart = u.valToPos(at + 1, "x", true) - x;
+  const half = Math.max(0.5 * px, Math.min(3 * px, apart / 2));
+  ctx.globalAlpha = height ? 0.9 : 0.45;
+  ctx.beginPath();
+  ctx.moveTo(x - half, bbox.top);
+  ctx.lineTo(x + half, bbox.top);
+  ctx.lineTo(x, bbox.top + 5 * px);
+  ctx.fill();
+  if (stem && height) {
+    ctx.lineWidth = Math.max(0.5, Math.min(2 * px, apart / 2));
+    ctx.beginPath();
+    ctx.moveTo(x, u.valToPos(0, "y", true));
+    ctx.lineTo(x, u.valToPos(height, "y", true));
+    ctx.stroke();
+  }
+  ctx.globalAlpha = 1;
+}
+
+/** @param {uPlot} u @param {number} value @param {string} stroke */
+function drawThreshold({ ctx, bbox, valToPos }, value, stroke) {
+  const y = Math.round(valToPos(value, "y", true)) + 0.5;
+  ctx.strokeStyle = stroke;
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash([6, 5]);
+  ctx.beginPath();
+  ctx.moveTo(bbox.left, y);
+  ctx.lineTo(bbox.left + bbox.width, y);
+  ctx.stroke();
+}
