@@ -60,16 +60,15 @@ function SessionState() {
 
 /** @param {{now: import("../store.js").Schemas["Session"]}} props */
 function Progress({ now }) {
-  const active = now.state === "running" || now.state === "starting";
   const details = [
-    active && `${text.fixed(now.fps, 1)} fps`,
+    now.state === "running" && `${text.fixed(now.fps, 1)} fps`,
     `node ${text.whole(now.nodes)}`,
     now.frames ? `frame ${text.whole(now.frame)} / ${text.whole(now.frames)}` : `frame ${text.whole(now.frame)}`,
   ];
   return html`<span class=${cx("run-state", `run-${now.state}`)} title=${now.message || now.source || ""}>
       <i class="dot" aria-hidden="true"></i>${STATE_WORDS[now.state]}
     </span>
-    <span class="run-figures clip">${details.filter(Boolean).join(" · ")}</span>
+    <span class="run-figures clip">${now.state === "starting" ? now.message : details.filter(Boolean).join(" · ")}</span>
     ${now.lost > 0 && html`<span class="lost" title="Frames that odometry could not track">${now.lost} lost</span>`}`;
 }
 
