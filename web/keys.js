@@ -1,5 +1,5 @@
 // The keyboard: keys of the page, and those that a view adds while it is on screen.
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { command } from "./actions.js";
 import { showHelp } from "./parts/help.js";
 import { ENTRIES } from "./parts/rail.js";
@@ -20,7 +20,8 @@ const viewKeys = new Set();
 export function useKeys(map) {
   const latest = useRef(map);
   latest.current = map;
-  useEffect(() => {
+  // Before the view is painted: a key pressed as soon as it is seen must not get lost.
+  useLayoutEffect(() => {
     viewKeys.add(latest);
     return () => void viewKeys.delete(latest);
   }, []);

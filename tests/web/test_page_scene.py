@@ -113,7 +113,6 @@ def test_a_click_on_a_loop_link_opens_its_evidence(viewed: Served, open_page: Op
     expect(page.get_by_role("region", name=re.compile(r"Link \d+ to \d+"))).to_be_visible()
 
 
-@pytest.mark.xfail(strict=False, reason="failed in the last run on a loaded machine; not understood yet")
 def test_what_is_chosen_in_a_table_is_marked_in_3d(viewed: Served, open_page: OpenPage) -> None:
     page = open_page(viewed, "#/map/flat/nodes", in_3d=True)
     without_cloud(page)
@@ -121,6 +120,7 @@ def test_what_is_chosen_in_a_table_is_marked_in_3d(viewed: Served, open_page: Op
     page.get_by_role("row").nth(4).click()
     for _ in range(20):
         page.wait_for_timeout(1000)
-        if near(seen(page), DARK.selected).sum() > near(before, DARK.selected).sum() + 10:
+        # What an earlier test selected may have been marked, and larger than a node.
+        if (near(seen(page), DARK.selected) & ~near(before, DARK.selected)).sum() > 10:
             return
     raise AssertionError("nothing is marked in the 3D view")

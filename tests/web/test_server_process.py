@@ -54,10 +54,16 @@ def engine_pid(server: Served) -> int:
     """The process that the server has started for its engine."""
     if shutil.which("pgrep") is None:
         pytest.skip("needs pgrep to find the engine's process")
-    pattern = ["pgrep", "--parent", str(server.process.pid), "--full", "spawn_main"]
+    [nursery] = children(server.process.pid, "forkserver")
+    [engine] = children(nursery)
+    return engine
+
+
+def children(pid: int, command_line: str = "") -> list[int]:
+    """The processes that one has started, of those whose command line contains a text."""
+    pattern = ["pgrep", "--parent", str(pid), "--full", command_line]
     found = subprocess.run(pattern, capture_output=True, text=True, check=False).stdout.split()
-    assert len(found) == 1
-    return int(found[0])
+    return [int(number) for number in found]
 
 
 def assert_sound(path: Path, nodes: int) -> None:

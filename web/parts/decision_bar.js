@@ -15,12 +15,13 @@ import { Button } from "./button.js";
  * @property {number} to
  * @property {string | null} state null while it isn't known
  * @property {string | null} type
+ * @property {boolean} measured whether there is a transform to approve
  * @property {(by: number) => void} onStep
  * @property {() => void} onDecided
  */
 
 /** @param {DecisionBarProps} props */
-export function DecisionBar({ from, to, state, type, onStep, onDecided }) {
+export function DecisionBar({ from, to, state, type, measured, onStep, onDecided }) {
   const [busy, setBusy] = useState(false);
   const locked = info.value && !info.value.writable ? "Another program holds this map for writing, or the file is read-only" : null;
   const run = async (/** @type {"approve" | "reject" | "undo" | "redo"} */ action) => {
@@ -31,7 +32,7 @@ export function DecisionBar({ from, to, state, type, onStep, onDecided }) {
     setBusy(false);
   };
   const isLoop = type !== null && /Closure$/.test(type);
-  const canApprove = isLoop && state !== "approved" && state !== "added";
+  const canApprove = isLoop && measured && state !== "approved" && state !== "added";
   const canReject = isLoop && state !== "rejected" && state !== "refused";
   useKeys({
     a: () => void (canApprove && run("approve")),
@@ -41,7 +42,7 @@ export function DecisionBar({ from, to, state, type, onStep, onDecided }) {
   return html`<footer class="decisions">
     ${h(EffectLine, { busy })}
     <div class="decision-buttons">
-      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? "This loop is right", disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
+      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? (measured ? "This loop is right" : "Verification found no transform that could be approved"), disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
       ${h(Button, { id: "reject", label: "Reject", keys: "R", kind: "bad", hint: locked ?? "Take this loop out of the graph", disabled: busy || !canReject || !!locked, onClick: () => void run("reject") })}
       ${h(Button, { id: "undo", label: "Undo", keys: "U", hint: locked ?? "Take the last decision back", disabled: busy || !!locked, onClick: () => void run("undo") })}
       ${h(Button, { id: "previous", label: "Prev", keys: "K", onClick: () => onStep(-1) })}

@@ -40,7 +40,7 @@ export function LinkEvidence({ map, link, row, onStep, onDecided }) {
   const known = found ?? row;
   return html`<section class="evidence" aria-label=${`Link ${from} to ${to}`}>
     <div class="evidence-body">${found ? details(map, found) : h(Loading, {})}</div>
-    ${h(DecisionBar, { from, to, state: known?.state ?? null, type: known?.type ?? null, onStep, onDecided: decided })}
+    ${h(DecisionBar, { from, to, state: known?.state ?? null, type: known?.type ?? null, measured: !found || found.transform !== null, onStep, onDecided: decided })}
   </section>`;
 }
 
