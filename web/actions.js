@@ -1,7 +1,7 @@
 // What a person can make the server do; each failure becomes one message on the page.
 import { signal } from "@preact/signals";
 import { patch, post } from "./api.js";
-import { graphRevision, loadInfo, parameters, scene, session } from "./store.js";
+import { graphRevision, loadInfo, parameters, scene } from "./store.js";
 import { openMapId } from "./router.js";
 
 /** @typedef {import("./types/http").Schemas} Schemas */
@@ -40,18 +40,14 @@ async function told(work) {
   }
 }
 
-/** @param {"pause" | "resume" | "step" | "stop"} command */
-export async function command(command) {
-  const answer = await told(post("/api/session/{command}", { path: { command }, body: undefined }));
-  if (answer) session.value = answer;
-}
+/**
+ * The stream tells what becomes of it; the answer may come after news that are newer.
+ * @param {"pause" | "resume" | "step" | "stop"} command
+ */
+export const command = (command) => told(post("/api/session/{command}", { path: { command }, body: undefined }));
 
 /** @param {Schemas["StartRun"]} run */
-export async function startRun(run) {
-  const answer = await told(post("/api/session", { body: run }));
-  if (answer) session.value = answer;
-  return answer;
-}
+export const startRun = (run) => told(post("/api/session", { body: run }));
 
 /** @param {Schemas["SceneChange"]} change */
 export async function setScene(change) {

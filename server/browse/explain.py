@@ -24,16 +24,17 @@ def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | N
     """One or two sentences about a pair."""
     decided = snapshot.history.last(pair)
     said = [] if decided is None else [_decision(decided)]
+    verdict = "Accepted" if decided is None or decided.action != "reject" else "The engine had accepted it"
     if candidate is None or not link.type.is_loop:
         said.append(_PLAIN.get(link.type, "A loop closure; the file does not say what it was judged by."))
     elif candidate.refusal is not None:
         said.append(f"Refused: {candidate.refusal.text.rstrip('.')}.")
     else:
-        said.append(_accepted(snapshot, pair, candidate))
+        said.append(f"{verdict}: {_grounds(snapshot, pair, candidate)}.")
     return " ".join(said)
 
 
-def _accepted(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:
+def _grounds(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:
     params = snapshot.params
     parts = []
     if math.isfinite(candidate.posterior):
@@ -46,7 +47,7 @@ def _accepted(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:
     sigma = snapshot.residuals.get(pair)
     if sigma is not None:
         parts.append(f"residual {sigma:.1f} sigma, RGBD/OptimizeMaxError allows {params.RGBD.OptimizeMaxError:g}")
-    return f"Accepted: {'; '.join(parts)}."
+    return "; ".join(parts)
 
 
 def _decision(entry: JournalEntry) -> str:

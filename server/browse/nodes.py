@@ -42,12 +42,13 @@ def detail(view: MapView, node_id: int) -> NodeDetail:
     snapshot = view.snapshot()
     require_node(snapshot, node_id)
     node = view.reader.node(node_id)
+    true = None if node.T_world_base is None else snapshot.T_map_world @ node.T_world_base
     linked = [link for link in snapshot.links.values() if node_id in (link.from_id, link.to_id)]
     return NodeDetail(
         **_row(view, snapshot, snapshot.rows[node_id]).model_dump(),
         pose=pose_list(snapshot.poses.get(node_id)),
         odom=pose_list(node.T_odom_base),
-        truth=pose_list(node.T_world_base),
+        truth=pose_list(true),
         camera=_camera(view, node_id),
         features=node.features,
         links=[_link(link) for link in sorted(linked, key=lambda link: (link.type, link.pair))],

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from server.accuracy import frames_ate_m, poses_ate_m
 from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
 from slam.errors import ParameterError
+from slam.evaluate import align
 from slam.geometry import Pose
 from slam.graph.verify import residual_ratios
 from slam.history import History
@@ -143,6 +144,13 @@ class Snapshot:
             return None
         frames = self.reader.trajectory()
         return frames_ate_m(frames, self.poses) if frames else poses_ate_m(*self._node_path())
+
+    @cached_property
+    def T_map_world(self) -> Pose:
+        """Lays the true path over the map's, by the nodes that have both; NaN where none has."""
+        T_world, T_map = self._node_path()
+        known = np.isfinite(T_world[:, 0, 3])
+        return align(T_map[known, :3, 3], T_world[known, :3, 3]) if known.any() else np.full((4, 4), np.nan)
 
     def _node_path(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in self.poses]

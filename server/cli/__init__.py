@@ -9,13 +9,17 @@ from slam.errors import SlamError
 
 def main() -> None:
     """Entry point of ``slamdeck``."""
+    from typer import Abort, TyperException
+
     from server.cli.app import app
 
     try:
-        app()
+        sys.exit(app(sys.argv[1:] or ["--help"], standalone_mode=False))
+    except TyperException as error:
+        _refuse(f"{error.format_message().rstrip('.')}; --help after the command tells what it takes")
     except SlamError as error:
         _refuse(str(error))
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, Abort):
         _refuse("stopped by Ctrl+C")
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""

@@ -16,23 +16,28 @@ from server.cli.serve import serve
 app = typer.Typer(
     name="slamdeck",
     help="RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
 
 
+def show_version(asked: bool) -> None:
+    """Print the version and end."""
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"slamdeck {version('slamdeck')}")
+        raise typer.Exit
+
+
 @app.callback()
 def options(
-    version: Annotated[bool, typer.Option("--version", help="Print the version and end.", is_eager=True)] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end.")
+    ] = False,
 ) -> None:
     """RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct."""
-    if version:
-        from importlib.metadata import version as installed_version
-
-        typer.echo(f"slamdeck {installed_version('slamdeck')}")
-        raise typer.Exit
 
 
 for command in (demo, run, serve, info, export, params):

@@ -12,11 +12,12 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from server.engine.mapping import engine_on_new_map
-from slam.errors import SlamError
+from slam.errors import SlamError, SourceError
 from slam.params import Params, Value
 from slam.run import Tally
-from slam.sensors import open_source
-from slam.types import Update
+from slam.sensors import Source, open_source
+from slam.slam import Slam
+from slam.types import Frame, Update
 
 
 class StoppedError(SlamError):
@@ -36,13 +37,25 @@ def plain_run(
     opening = engine_on_new_map(path, params, seed=seed, source=source.name, overwrite=overwrite)
     tally = Tally()
     with opening as (slam, _), _signals() as stop, _progress(len(source)) as advance:
-        for frame in source:
+        for frame in _read(source, slam, path):
             update = slam.process(frame)
             tally.add(update)
             advance(update, tally)
             if stop.asked:
-                raise StoppedError(f"stopped; {path} holds the {len(slam.graph)} nodes mapped until then")
+                raise StoppedError(f"stopped; {_held(slam, path)}")
     return tally.summary(slam, seed=seed, path=path)
+
+
+def _read(source: Source, slam: Slam, path: Path) -> Iterator[Frame]:
+    """Frames of a source; one that can't be read ends the run, and what is mapped stays."""
+    try:
+        yield from source
+    except SourceError as error:
+        raise SourceError(f"{error}; {_held(slam, path)}") from error
+
+
+def _held(slam: Slam, path: Path) -> str:
+    return f"{path} holds the {len(slam.graph)} nodes mapped until then (--overwrite to map into it again)"
 
 
 class _Stop:
@@ -75,7 +88,8 @@ def _progress(frames: int) -> Iterator[Any]:
         TextColumn("{task.fields[seen]}"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    terminal = Console(stderr=True)
+    with Progress(*columns, console=terminal, transient=True, disable=not terminal.is_terminal) as bar:
         task = bar.add_task("", total=frames, seen="")
         nodes = loops = 0
 

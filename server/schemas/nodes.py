@@ -55,6 +55,7 @@ class NodeDetail(NodeRow):
     pose: PoseList | None
     odom: PoseList | None
     truth: PoseList | None
+    """Ground truth, laid over the path of the map."""
     camera: CameraModel | None
     features: int
     links: list[NodeLink]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from pydantic import Field, field_validator
+from typing import Literal
+
+from pydantic import field_validator
 
 from slam.params.registry import Effect, Group, param
 
@@ -54,18 +56,8 @@ class MemGroup(Group):
     )
     RecentWmRatio: float = param(0.2, "Newest share of working memory that never goes to long-term memory.", ge=0, le=1)
     TransferSortingByWeightId: bool = param(False, "Transfer by weight and id, whatever the time in memory.")
-    ImageCompressionFormat: str = Field(
-        ".jpg",
-        pattern=r"^\.(jpg|png)$",
-        description="Format of stored colour images: .jpg or .png.",
-        json_schema_extra={"unit": "", "effect": Effect.LIVE.value},
-    )
-    DepthCompressionFormat: str = Field(
-        ".rvl",
-        pattern=r"^\.(rvl|png)$",
-        description="Format of stored depth images: .rvl or .png.",
-        json_schema_extra={"unit": "", "effect": Effect.LIVE.value},
-    )
+    ImageCompressionFormat: Literal[".jpg", ".png"] = param(".jpg", "Format of stored colour images: .jpg or .png.")
+    DepthCompressionFormat: Literal[".rvl", ".png"] = param(".rvl", "Format of stored depth images: .rvl or .png.")
 
 
 class KpGroup(Group):

@@ -95,6 +95,9 @@ def _checked(name: str, value: Value) -> Value:
         model = group_type.model_validate({field_name: value})
     except ValidationError as error:
         said = spec(name)
+        if said.type == "text":
+            right = error.errors()[0]["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+            raise ParameterError(f"{name}={value!r}: must be {right}") from error
         bounds = [f">= {said.minimum:g}"] if said.minimum is not None else []
         bounds += [f"<= {said.maximum:g}"] if said.maximum is not None else []
         right = " ".join([said.type, *([" and ".join(bounds)] if bounds else []), said.unit]).strip()

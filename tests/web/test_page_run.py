@@ -120,6 +120,8 @@ def test_a_value_out_of_bounds_is_refused_and_the_old_one_stays(running: Page) -
     running.get_by_role("link", name="Params").click()
     field = running.get_by_label("Rtabmap/LoopThr", exact=True)
     field.fill("3")
+    until(running, WM_AT_LEAST, 3)
+    expect(field, "what is typed stays while the map grows").to_have_value("3")
     field.press("Enter")
     expect(running.get_by_role("status").filter(has_text="Rtabmap/LoopThr")).to_be_visible()
     expect(running.locator('[data-name="Rtabmap/LoopThr"] output')).to_contain_text("0.11")

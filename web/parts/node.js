@@ -41,7 +41,7 @@ export function NodeInspector({ map, id }) {
           ["Words", text.whole(node.words)],
         ],
       })}
-      ${h(Poses, { rows: [["Map", node.pose], ["Odometry", node.odom], ["Truth", node.truth, "In the frame of the ground truth"]] })}
+      ${h(Poses, { rows: [["Map", node.pose], ["Odometry", node.odom], ["Truth", node.truth, "Ground truth, laid over the path of the map"]] })}
       ${h(Links, { node })} ${h(Statistics, { values: node.statistics })}
     </div>
   </section>`;

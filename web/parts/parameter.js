@@ -75,19 +75,7 @@ function Control({ entry, value, disabled, onChange }) {
       <i></i>
     </button>`;
   }
-  const read = (/** @type {string} */ typed) => (type === "text" ? typed : Number(typed));
-  const field = html`<input
-    id=${name}
-    class=${cx("field", type === "text" ? "wide" : "number")}
-    type=${type === "text" ? "text" : "number"}
-    step=${type === "int" ? 1 : "any"}
-    min=${entry.minimum}
-    max=${entry.maximum}
-    value=${String(value)}
-    disabled=${disabled}
-    onChange=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) =>
-      currentTarget.value !== "" && onChange(read(currentTarget.value))}
-  />`;
+  const field = h(Field, { entry, value, disabled, onChange });
   if (type === "text") return field;
   const range = sliderRange(entry, Number(value));
   return html`<div class="param-control">
@@ -104,6 +92,29 @@ function Control({ entry, value, disabled, onChange }) {
     />
     ${field}
   </div>`;
+}
+
+/** @param {{entry: ParameterEntry, value: Value, disabled: boolean, onChange: (value: Value) => void}} props */
+function Field({ entry, value, disabled, onChange }) {
+  const { name, type, minimum, maximum } = entry;
+  // What is being typed belongs to the person until it is entered: an echo of the engine must not overwrite it.
+  const [typed, setTyped] = useState(/** @type {string | null} */ (null));
+  const isText = type === "text";
+  return html`<input
+    id=${name}
+    class=${cx("field", isText ? "wide" : "number")}
+    type=${isText ? "text" : "number"}
+    step=${type === "int" ? 1 : "any"}
+    min=${minimum}
+    max=${maximum}
+    value=${typed ?? String(value)}
+    disabled=${disabled}
+    onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => setTyped(currentTarget.value)}
+    onChange=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => {
+      setTyped(null);
+      if (currentTarget.value !== "") onChange(isText ? currentTarget.value : Number(currentTarget.value));
+    }}
+  />`;
 }
 
 /**

@@ -961,7 +961,10 @@ export interface components {
                 [key: string]: number;
             };
             tier: components["schemas"]["Tier"];
-            /** Truth */
+            /**
+             * Truth
+             * @description Ground truth, laid over the path of the map.
+             */
             truth: number[] | null;
             /** Weight */
             weight: number;

@@ -22,6 +22,10 @@ def states(client: RunningApp) -> dict[str, str]:
     return {row["key"]: row["state"] for row in client.get("/api/maps/loops/loops").json()["loops"]}
 
 
+def explanation(client: RunningApp, pair: tuple[int, int]) -> str:
+    return str(client.get("/api/maps/loops/links/{}/{}".format(*pair)).json()["explanation"])
+
+
 def test_reject_undo_redo_approve_and_what_the_page_sees_of_it(client: RunningApp, maps_folder: Path) -> None:
     before = client.get("/api/maps/loops/graph").json()
     done = decide(client, "reject", (1, 11)).json()
@@ -29,12 +33,14 @@ def test_reject_undo_redo_approve_and_what_the_page_sees_of_it(client: RunningAp
     assert done["effect"]["chi2_after"] < done["effect"]["chi2_before"]
     assert done["effect"]["ate_after_m"] is not None
     assert states(client)["11-1"] == "rejected"
+    assert "Rejected" in explanation(client, (11, 1)) and "engine had accepted it" in explanation(client, (11, 1))
     after = client.get(f"/api/maps/loops/graph?after={before['revision']}").json()
     assert after["full"], "a link is gone"
     assert (11, 1) not in set(zip(after["links"]["from"], after["links"]["to"], strict=True))
 
     assert decide(client, "undo").json()["entry"]["action"] == "undo"
     assert states(client)["11-1"] == "accepted"
+    assert explanation(client, (11, 1)).startswith("Accepted")
     assert decide(client, "redo").status_code == 200
     assert states(client)["11-1"] == "rejected"
     assert decide(client, "approve", (10, 3)).json()["entry"]["action"] == "add"
@@ -46,7 +52,7 @@ def test_reject_undo_redo_approve_and_what_the_page_sees_of_it(client: RunningAp
     assert [entry["action"] for entry in journal] == ["reject", "undo", "redo", "add"]
     node = client.get("/api/maps/loops/nodes/10").json()
     assert [entry["action"] for entry in node["decisions"]] == ["add"]
-    assert "Added by hand" in client.get("/api/maps/loops/links/10/3").json()["explanation"]
+    assert "Added by hand" in explanation(client, (10, 3))
     assert len(MapReader(maps_folder / "loops.db").journal()) == 4
 
 

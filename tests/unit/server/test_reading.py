@@ -81,6 +81,8 @@ def test_a_node_in_full(client: RunningApp) -> None:
     node = get(client, "/api/maps/loops/nodes/11")
     assert node["loops"] == 1 and node["has_image"] and node["has_depth"]
     assert {(link["from"], link["to"]) for link in node["links"]} == {(11, 10), (12, 11), (11, 1)}
+    apart = np.linalg.norm(np.subtract(node["truth"][:3], node["pose"][:3]))
+    assert apart < 0.2, "truth is told in the frame of the map, which drift has bent a little"
     assert node["statistics"]["Timing/Total/ms"] == pytest.approx(33.25)
     assert (node["camera"]["width"], node["camera"]["height"]) == (64, 48)
 

@@ -10,7 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from slam.database import MapReader
 from slam.params import specs
+from slam.sensors import open_source
+from slam.sensors.tum_writer import write_tum_folder
 from tests.unit.server.loop_map import NODES, write_loop_map
 
 TINY = "tour:fps=5,width=160,height=120,frames=6"
@@ -54,6 +57,21 @@ def test_the_server_starts_without_what_draws_and_meshes() -> None:
 def test_every_command_is_listed() -> None:
     text = slamdeck("--help").stdout
     assert all(name in text for name in ("demo", "run", "serve", "info", "export", "params"))
+
+
+def test_without_a_command_the_help_is_shown() -> None:
+    assert "Commands:" in slamdeck().stdout
+    assert slamdeck("--version").stdout.startswith("slamdeck ")
+
+
+def test_an_image_that_breaks_off_ends_the_run_and_the_map_stays(tmp_path: Path) -> None:
+    tour, path = tmp_path / "tour", tmp_path / "m.db"
+    write_tum_folder(open_source(TINY), tour)
+    last = sorted((tour / "rgb").iterdir())[-1]
+    last.write_bytes(last.read_bytes()[:100])
+    said = refusal("run", tour, "--db", path, "--param", "Rtabmap/DetectionRate=0")
+    assert last.name in said and "nodes mapped until then" in said and "--overwrite" in said
+    assert MapReader(path).info().nodes >= 1
 
 
 def test_info_of_a_map(a_map: Path) -> None:
@@ -126,6 +144,12 @@ def test_a_run_prints_one_object_and_the_same_twice(tmp_path: Path) -> None:
         (("run", "tour:", "--db", "m.db", "--param", "Rtabmap/LoopThr"), "NAME=VALUE"),
         (("run", "tour:", "--db", "m.db", "--config", "missing.ini"), "missing.ini"),
         (("demo", "--db", "notes.db"), "exists already"),
+        (("run", "tour:"), "--db"),
+        (("run", "tour:", "--db", "m.db", "--nope"), "--nope"),
+        (("run", "tour:", "--db", "m.db", "--speed", "fast"), "--speed"),
+        (("ruin",), "ruin"),
+        (("run", "tour:", "--db", "m.db", "--param", "Mem/ImageCompressionFormat=.bmp"), "'.jpg' or '.png'"),
+        (("run", "tour:", "--db", "m.db", "--param", "Bayes/PredictionLC=0.1"), "two or more numbers"),
     ],
 )
 def test_what_is_refused_is_one_line_that_says_what_would_be_right(
