@@ -63,8 +63,8 @@ DARK = Theme(
     frustum=(92, 112, 140),
     newest=(255, 181, 71),
     selected=(255, 255, 255),
-    free=(150, 163, 184),
-    occupied=(4, 5, 8),
+    free=(62, 74, 96),
+    occupied=(226, 233, 245),
 )
 LIGHT = Theme(
     background=((255, 255, 255), (236, 240, 245)),
