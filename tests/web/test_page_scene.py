@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import cv2
@@ -45,13 +45,22 @@ def near(image: NDArray[np.uint8], rgb: tuple[int, int, int], tolerance: int = 4
     return np.asarray(np.abs(image.astype(int) - np.array(rgb[::-1])).max(axis=2) <= tolerance)
 
 
-def wait_for_picture(page: Page, colour: tuple[int, int, int]) -> NDArray[np.uint8]:
+def colours(image: NDArray[np.uint8]) -> int:
+    return len(np.unique(image.reshape(-1, 3), axis=0))
+
+
+def wait_until(page: Page, holds: Callable[[NDArray[np.uint8]], bool], what: str) -> NDArray[np.uint8]:
+    """Waits for a picture that fits; the picture."""
     for _ in range(30):
         image = seen(page)
-        if near(image, colour).sum() > 30:
+        if holds(image):
             return image
         page.wait_for_timeout(1000)
-    raise AssertionError("nothing of that colour in the 3D view")
+    raise AssertionError(f"not seen in the 3D view: {what}")
+
+
+def wait_for_picture(page: Page, colour: tuple[int, int, int]) -> NDArray[np.uint8]:
+    return wait_until(page, lambda now: near(now, colour).sum() > 30, f"the colour {colour}")
 
 
 def test_the_graph_is_there_and_layers_switch(viewed: Served, open_page: OpenPage) -> None:
@@ -62,17 +71,14 @@ def test_the_graph_is_there_and_layers_switch(viewed: Served, open_page: OpenPag
     expect(legend).to_contain_text(re.compile(r"WM \d+"))
     cloud = page.get_by_role("button", name="Cloud", exact=True)
     assert cloud.get_attribute("aria-pressed") == "true"
-    colours_with = len(np.unique(image.reshape(-1, 3), axis=0))
+    with_cloud = wait_until(page, lambda now: colours(now) > 10_000, "the cloud has the colours of the room")
     cloud.click()
     expect(cloud).to_have_attribute("aria-pressed", "false")
-    page.wait_for_timeout(2000)
-    without = seen(page)
-    assert len(np.unique(without.reshape(-1, 3), axis=0)) < 0.7 * colours_with
+    without = wait_until(page, lambda now: colours(now) < 0.5 * colours(with_cloud), "the cloud is gone")
     grid = page.get_by_role("button", name="Grid", exact=True)
     grid.click()
     expect(grid).to_have_attribute("aria-pressed", "true")
-    page.wait_for_timeout(2000)
-    assert (seen(page) != without).any(axis=2).mean() > 0.02, "the grid covers floor"
+    wait_until(page, lambda now: (now != without).any(axis=2).mean() > 0.02, "the grid covers floor")
 
 
 def click_colour(page: Page, rgb: tuple[int, int, int], reached: re.Pattern[str]) -> None:
@@ -118,9 +124,6 @@ def test_what_is_chosen_in_a_table_is_marked_in_3d(viewed: Served, open_page: Op
     without_cloud(page)
     before = wait_for_picture(page, DARK.wm)
     page.get_by_role("row").nth(4).click()
-    for _ in range(20):
-        page.wait_for_timeout(1000)
-        # What an earlier test selected may have been marked, and larger than a node.
-        if (near(seen(page), DARK.selected) & ~near(before, DARK.selected)).sum() > 10:
-            return
-    raise AssertionError("nothing is marked in the 3D view")
+    # What an earlier test selected may have been marked, and larger than a node.
+    marked = near(before, DARK.selected)
+    wait_until(page, lambda now: (near(now, DARK.selected) & ~marked).sum() > 10, "a mark")
