@@ -20,6 +20,9 @@ from slam.graph.start import Starts
 from slam.params import Params
 from slam.types import Link
 
+#: ``Optimizer/Strategy``, as RTAB-Map numbers them.
+_GTSAM = 2
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimized:
@@ -117,6 +120,11 @@ def _style(params: Params) -> Style:
 
 
 def _solver(graph: PoseGraph, params: Params) -> Solver:
+    """By ``Optimizer/Strategy``."""
+    return {_GTSAM: _gtsam_solver}[params.Optimizer.Strategy](graph, params)
+
+
+def _gtsam_solver(graph: PoseGraph, params: Params) -> Solver:
     """Goes on from the last optimisation where that is asked for; GNC knows no such way."""
     if params.GTSAM.Incremental and choose_kernel(params) is not Kernel.GNC:
         return Incremental(graph, choose_space(params))
