@@ -51,6 +51,7 @@ def main() -> None:
 
 
 def _result(data: Path) -> dict[str, Any]:
+    load = round(os.getloadavg()[0], 1)
     works = optimisations() | {
         "import of the command line, s": seconds("import server.cli"),
         "import of the server, s": seconds("import server.app"),
@@ -65,7 +66,12 @@ def _result(data: Path) -> dict[str, Any]:
     return {
         "commit": _commit(),
         "date": datetime.now(UTC).date().isoformat(),
-        "machine": {"cores": os.cpu_count(), "python": platform.python_version(), "system": platform.machine()},
+        "machine": {
+            "cores": os.cpu_count(),
+            "load": load,
+            "python": platform.python_version(),
+            "system": platform.machine(),
+        },
         "reference_ms": reference_ms(),
         "figures": [figure._asdict() for figure in found],
         "sequences": sequences,

@@ -22,7 +22,8 @@ def page(result: Mapping[str, Any]) -> str:
         "# Accuracy and pace",
         "",
         f"Measured by `make bench` at commit {result['commit']} on {result['date']}: {machine['cores']} cores "
-        f"({machine['system']}), Python {machine['python']}, default parameters, each sequence in its own process.",
+        f"({machine['system']}; load {machine['load']} from other work at the start), Python {machine['python']}, "
+        "default parameters, each sequence in its own process.",
         "ATE is the RMSE of all tracked frames' positions after SE(3) alignment. Times are only good as ratios to the "
         "reference work of the same run; the peers were measured on another, idle machine with 2 cores.",
         "",

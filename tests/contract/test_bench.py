@@ -21,7 +21,7 @@ SUMMARY: dict[str, Any] = {
 def result() -> dict[str, Any]:
     works = {"optimise 800 poses with 10 % loops from odometry, ms": 16.0, "import of the engine, s": 1.2}
     found = figures({"hololens_tour": SUMMARY}, {"update_ms_wm_300": 44.0}, works)
-    machine = {"cores": 2, "python": "3.11", "system": "x86_64"}
+    machine = {"cores": 2, "load": 0.1, "python": "3.11", "system": "x86_64"}
     rows = [figure._asdict() for figure in found]
     return {"commit": "abc1234", "date": "2026-01-01", "machine": machine, "reference_ms": 4.5, "figures": rows}
 
