@@ -106,6 +106,21 @@ def se3_log(T_a_b: Pose) -> Array:
     return np.concatenate([V_inverse @ T_a_b[:3, 3], phi])
 
 
+def flat(T: Array) -> Array:
+    """Poses (N, 4, 4) in the plane z = 0: x, y and yaw stay, height, roll and pitch are taken out."""
+    heading = np.hypot(T[:, 0, 0], T[:, 1, 0])
+    return planar(T[:, 0, 3], T[:, 1, 3], T[:, 0, 0] / heading, T[:, 1, 0] / heading)
+
+
+def planar(x: Array, y: Array, cosine: Array, sine: Array) -> Array:
+    """Poses (N, 4, 4) from positions in the plane (metres) and the yaw's cosine and sine, each (N,)."""
+    T = np.zeros((len(x), 4, 4))
+    T[:, 0, 0], T[:, 0, 1], T[:, 0, 3] = cosine, -sine, x
+    T[:, 1, 0], T[:, 1, 1], T[:, 1, 3] = sine, cosine, y
+    T[:, 2, 2] = T[:, 3, 3] = 1.0
+    return T
+
+
 def interpolate(T_m_a: Pose, T_m_b: Pose, fraction: float) -> Pose:
     """Pose on the screw motion from a (fraction 0) to b (fraction 1)."""
     return np.asarray(T_m_a @ se3_exp(fraction * se3_log(between(T_m_a, T_m_b))))

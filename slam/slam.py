@@ -122,6 +122,7 @@ class Slam:
             if self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, rehearsal)
             neighbor = self._insert(node)
+            gravity = self._level(node, frame)
             self._hang(frame, odometry)
         belief = self._loops.recognize(node, self.memory, self.graph, self.params, clock)
         with clock.stage("Timing/Reactivation/ms"):
@@ -151,7 +152,7 @@ class Slam:
             statistics=describe(facts, self.memory, self.graph, clock),
             time_ms=clock.elapsed_ms,
         )
-        self._write(frame, update, (*neighbor, *closed.links), words, grid)
+        self._write(frame, update, (*neighbor, *gravity, *closed.links), words, grid)
         self._last, self._covariance = node, np.zeros((6, 6))
         return replace(update, time_ms=clock.elapsed_ms)
 
@@ -239,6 +240,14 @@ class Slam:
         information = np.asarray(np.linalg.inv(self._covariance), np.float64)
         link = Link(node.id, last.id, LinkType.NEIGHBOR, between(node.T_odom_base, last.T_odom_base), information)
         self.graph.add_link(link)
+        return (link,)
+
+    def _level(self, node: Node, frame: Frame) -> tuple[Link, ...]:
+        """Tells the graph which way is up at a node, where an accelerometer says so."""
+        if frame.T_gravity_base is None:
+            return ()
+        link = Link(node.id, node.id, LinkType.GRAVITY, frame.T_gravity_base, np.eye(6))
+        self.graph.add_constraint(link)
         return (link,)
 
     def _retrieve(self, node: Node, belief: Belief) -> list[int]:

@@ -8,15 +8,20 @@ from typing import Annotated
 
 import typer
 
+from server.cli.markdown import bounds, parameters_page
 from slam.errors import ParameterError
 from slam.params import ParamSpec, format_value, specs
 
 
 def params(
     json: Annotated[bool, typer.Option("--json", help="Print a JSON list.")] = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print all as the page docs/parameters.md.")] = False,
     search: Annotated[str, typer.Option(help="Only those whose name or meaning holds this text.")] = "",
 ) -> None:
     """List parameters with defaults, units, bounds and meaning."""
+    if markdown:
+        typer.echo(parameters_page(), nl=False)
+        return
     found = [spec for spec in specs() if search.lower() in f"{spec.name} {spec.meaning}".lower()]
     if not found:
         raise ParameterError(f"no parameter's name or meaning holds {search!r}; `slamdeck params` lists them all")
@@ -30,16 +35,10 @@ def params(
     for title in ("name", "default", "unit", "bounds", "takes effect", "meaning"):
         table.add_column(title, no_wrap=title == "name", overflow="fold")
     for spec in found:
-        table.add_row(spec.name, _short(spec), spec.unit, _bounds(spec), spec.effect.value, spec.meaning)
+        table.add_row(spec.name, _short(spec), spec.unit, bounds(spec), spec.effect.value, spec.meaning)
     Console().print(table)
 
 
 def _short(spec: ParamSpec) -> str:
     text = format_value(spec.default)
     return text if len(text) <= 12 else f"{text[:9]}..."
-
-
-def _bounds(spec: ParamSpec) -> str:
-    low = "" if spec.minimum is None else f">= {spec.minimum:g}"
-    high = "" if spec.maximum is None else f"<= {spec.maximum:g}"
-    return " ".join(part for part in (low, high) if part)

@@ -11,9 +11,11 @@ import numpy as np
 
 from slam.errors import OptimizationError
 from slam.geometry import Pose, inverse
-from slam.types import WEIGHT_INVALID, Link
+from slam.types import WEIGHT_INVALID, Link, LinkType
 
 Pair = tuple[int, int]
+#: Constraints of single nodes, by the link's ends and type: a node may have a prior and gravity.
+ConstraintKey = tuple[int, int, LinkType]
 #: Cost of walking along a link (0 or 1 steps); None when it isn't followed.
 Follow = Callable[[Link], int | None]
 
@@ -71,14 +73,18 @@ class PoseGraph:
         T_odom: id -> (4, 4) odometry pose ``T_odom_base``.
         map_ids: id -> session number.
         links: pair of ids, smaller first -> link.
+        constraints: priors, gravity and sightings of landmarks, which join no two nodes.
         poses: id -> (4, 4) optimised pose ``T_map_base``.
+        solver_state: what an incremental optimiser keeps from one call to the next.
     """
 
     def __init__(self) -> None:
         self.T_odom: dict[int, Pose] = {}
         self.map_ids: dict[int, int] = {}
         self.links: dict[Pair, Link] = {}
+        self.constraints: dict[ConstraintKey, Link] = {}
         self.poses: dict[int, Pose] = {}
+        self.solver_state: object | None = None
         self._adjacent: dict[int, dict[int, Link]] = {}
 
     def __len__(self) -> int:
@@ -104,6 +110,8 @@ class PoseGraph:
         """Take out a node and all its links; raises OptimizationError when there is none of this id."""
         for pair in [link.pair for link in self.neighbors(node_id).values()]:
             self.remove_link(pair)
+        for key in [key for key in self.constraints if key[0] == node_id]:
+            del self.constraints[key]
         del self.T_odom[node_id], self.map_ids[node_id], self.poses[node_id], self._adjacent[node_id]
 
     def add_link(self, link: Link) -> None:
@@ -122,6 +130,18 @@ class PoseGraph:
         self.links[link.pair] = link
         self._adjacent[link.from_id][link.to_id] = link
         self._adjacent[link.to_id][link.from_id] = link
+
+    def add_constraint(self, link: Link) -> None:
+        """Take in a prior or gravity of a node, or its sighting of a landmark; replaces the one it had.
+
+        Raises:
+            OptimizationError: the node is missing, or the link is none of these.
+        """
+        if not _is_constraint(link):
+            raise OptimizationError(f"link {name(link)} is no prior, gravity or sighting of a landmark")
+        if link.from_id not in self._adjacent:
+            raise OptimizationError(f"link {name(link)}: node {link.from_id} is not in the graph")
+        self.constraints[link.from_id, link.to_id, link.type] = link
 
     def remove_link(self, pair: Pair) -> Link:
         """Take out and return the link of a pair of ids in any order; raises OptimizationError without one."""
@@ -189,8 +209,7 @@ class PoseGraph:
         """The graph of a map file.
 
         A node without an optimised pose starts where odometry puts it. Merged and dropped nodes (weight -9) and nodes
-        without any pose have no place in the graph; links that join no two of its nodes (priors, gravity, landmarks,
-        markers of merged nodes) stay in the file, the optimiser has no use for them.
+        without any pose have no place in the graph; markers of merged nodes stay in the file.
         """
         graph, table, poses = cls(), reader.nodes(), reader.poses()
         for number, map_id, weight, T_odom_base in zip(
@@ -204,7 +223,17 @@ class PoseGraph:
         for link in reader.links():
             if link.T_from_to is not None and link.from_id != link.to_id and graph.has(*link.pair):
                 graph.add_link(link)
+            elif _is_constraint(link) and link.from_id in graph:
+                graph.add_constraint(link)
         return graph
+
+
+def _is_constraint(link: Link) -> bool:
+    if link.T_from_to is None:
+        return False
+    if link.type is LinkType.LANDMARK:
+        return link.to_id < 0 < link.from_id
+    return link.type in (LinkType.POSE_PRIOR, LinkType.GRAVITY) and link.to_id == link.from_id
 
 
 def ascending(link: Link) -> Link:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slam.errors import OptimizationError
-from slam.geometry import Array, Pose, inverse
+from slam.geometry import Array, Pose, flat, inverse
 from slam.graph.graph import PoseGraph, ascending, name
 from slam.graph.optimizer import Optimized, choose_root, optimize
 from slam.graph.shift import angles
@@ -80,9 +80,10 @@ class Closure:
     refusal: Refusal | None = None
 
 
-def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
+def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose], *, planar: bool = False) -> Array:
     """Residuals (N, 4) of links: linear in sigmas, in metres, angular in sigmas, in radians.
 
+    Of links in the plane (``Reg/Force3DoF``) only x, y and yaw are looked at.
     As in RTAB-Map the linear ratio is the largest axis over the largest sigma of the three; axes of unknown variance
     (9999 and up) are left out when sigma is picked, and a part of which no axis is known isn't judged (ratio 0).
     """
@@ -91,6 +92,8 @@ def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
     T_map_from = np.array([poses[link.from_id] for link in links])
     T_map_to = np.array([poses[link.to_id] for link in links])
     T_is = inverse(T_map_from) @ T_map_to
+    if planar:
+        T_from_to, T_is = flat(T_from_to), flat(T_is)
     metres = np.abs(T_is[:, :3, 3] - T_from_to[:, :3, 3]).max(axis=1)
     radians = angles(inverse(T_from_to) @ T_is)
     known = np.array([np.diagonal(link.information) for link in links])
@@ -100,9 +103,9 @@ def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
     return np.column_stack([metres * weight[:, 0], metres, radians * weight[:, 1], radians])
 
 
-def residual_sigmas(links: Sequence[Link], poses: Mapping[int, Pose]) -> Array:
+def residual_sigmas(links: Sequence[Link], poses: Mapping[int, Pose], *, planar: bool = False) -> Array:
     """Residuals (N,) of links in sigmas, the larger of linear and angular."""
-    return residual_ratios(links, poses)[:, [0, 2]].max(axis=1) if links else np.zeros(0)
+    return residual_ratios(links, poses, planar=planar)[:, [0, 2]].max(axis=1) if links else np.zeros(0)
 
 
 def max_error(graph: PoseGraph, poses: Mapping[int, Pose]) -> WorstLink:
@@ -134,7 +137,7 @@ def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params) ->
     except OptimizationError:
         _take_back(graph, added, poses)
         raise
-    worst, refusal = _judge(graph, optimized.poses, poses, candidates, params)
+    worst, refusal = _judge(graph, optimized, poses, candidates, params)
     if refusal is not None:
         _take_back(graph, added, poses)
         return Closure(False, optimized, worst, refusal)
@@ -143,16 +146,19 @@ def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params) ->
 
 
 def _judge(
-    graph: PoseGraph, optimized: Mapping[int, Pose], before: Mapping[int, Pose], new: Sequence[Link], params: Params
+    graph: PoseGraph, optimized: Optimized, before: Mapping[int, Pose], new: Sequence[Link], params: Params
 ) -> tuple[WorstLink, Refusal | None]:
     """The worst link of all, and the refusal where one that counts is worse than allowed."""
-    limit, links = params.RGBD.OptimizeMaxError, [graph.links[pair] for pair in sorted(graph.links)]
-    ratios = residual_ratios(links, optimized)
+    limit, planar, pairs = params.RGBD.OptimizeMaxError, params.Reg.Force3DoF, {link.pair for link in new}
+    # What a robust kernel had switched off already says nothing about the new links.
+    off = set(optimized.outliers) - pairs
+    links = [graph.links[pair] for pair in sorted(graph.links) if pair not in off]
+    ratios = residual_ratios(links, optimized.poses, planar=planar)
     worst = _worst(links, ratios)
     if limit <= 0 or worst.ratio <= limit:
         return worst, None
     # A new link was never better; that of an old one counts where it got worse.
-    was, pairs = residual_sigmas(links, before), {link.pair for link in new}
+    was = residual_sigmas(links, before, planar=planar)
     allowed = np.array([0.0 if link.pair in pairs else _NO_WORSE * w for link, w in zip(links, was, strict=True)])
     counts = np.flatnonzero(ratios[:, [0, 2]].max(axis=1) > np.maximum(allowed, limit))
     if not len(counts):

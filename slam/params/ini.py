@@ -16,6 +16,7 @@ _SECTION = "Core"
 #: Written by RTAB-Map beside the parameters.
 _VERSION = "Version"
 _NAMES_FILE = "rtabmap_names.txt"
+_DEFAULTS_FILE = "rtabmap_defaults.txt"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +35,11 @@ class IniFile:
 def known_unused(name: str) -> bool:
     """Whether RTAB-Map has a parameter of this full name and slamdeck doesn't."""
     return name in _rtabmap_names() and name not in _registered()
+
+
+def rtabmap_default(name: str) -> str | None:
+    """RTAB-Map's default of a full name as text: empty where its builds differ, None where it has no such parameter."""
+    return _rtabmap_defaults().get(name, "" if name in _rtabmap_names() else None)
 
 
 def read_ini(path: Path) -> IniFile:
@@ -107,3 +113,9 @@ def _rtabmap_names() -> frozenset[str]:
     text = files("slam.params").joinpath(_NAMES_FILE).read_text(encoding="utf-8")
     groups = (line.split(":", 1) for line in text.splitlines() if line and not line.startswith("#"))
     return frozenset(f"{group}/{name}" for group, names in groups for name in names.split())
+
+
+@cache
+def _rtabmap_defaults() -> dict[str, str]:
+    text = files("slam.params").joinpath(_DEFAULTS_FILE).read_text(encoding="utf-8")
+    return dict(line.split("=", 1) for line in text.splitlines() if line and not line.startswith("#"))

@@ -28,7 +28,9 @@ class Params(BaseModel):
     GFTT: g.GFTTGroup = g.GFTTGroup()
     Odom: g.OdomGroup = g.OdomGroup()
     OdomF2M: g.OdomF2MGroup = g.OdomF2MGroup()
+    Reg: g.RegGroup = g.RegGroup()
     Optimizer: g.OptimizerGroup = g.OptimizerGroup()
+    GTSAM: g.GTSAMGroup = g.GTSAMGroup()
     Grid: g.GridGroup = g.GridGroup()
     GridGlobal: g.GridGlobalGroup = g.GridGlobalGroup()
 
@@ -95,8 +97,9 @@ def _checked(name: str, value: Value) -> Value:
         model = group_type.model_validate({field_name: value})
     except ValidationError as error:
         said = spec(name)
-        if said.type == "text":
-            right = error.errors()[0]["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+        first = error.errors()[0]
+        if said.type == "text" or first["type"] == "value_error":
+            right = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
             raise ParameterError(f"{name}={value!r}: must be {right}") from error
         bounds = [f">= {said.minimum:g}"] if said.minimum is not None else []
         bounds += [f"<= {said.maximum:g}"] if said.maximum is not None else []
@@ -125,4 +128,5 @@ def _collect() -> Iterator[ParamSpec]:
                 maximum=entry.get("maximum"),
                 meaning=entry["description"],
                 effect=Effect(entry["effect"]),
+                choices=tuple(entry.get("enum", ())),
             )

@@ -21,7 +21,10 @@ class Effect(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ParamSpec:
-    """One registered parameter; ``minimum`` and ``maximum`` are inclusive, None where unbounded."""
+    """One registered parameter; ``minimum`` and ``maximum`` are inclusive, None where unbounded.
+
+    ``choices`` are all values of a text that has only a few.
+    """
 
     name: str
     type: str
@@ -31,6 +34,7 @@ class ParamSpec:
     maximum: float | None
     meaning: str
     effect: Effect
+    choices: tuple[str, ...] = ()
 
 
 class Group(BaseModel):

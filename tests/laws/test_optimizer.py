@@ -11,15 +11,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slam.errors import OptimizationError
-from slam.geometry import Pose, between, inverse, se3_exp, to_euler_rpy
-from slam.graph import PoseGraph, optimize
+from slam.errors import OptimizationError, ParameterError
+from slam.geometry import Pose, between, inverse, se3_exp, to_euler_rpy, transform
+from slam.graph import PoseGraph, optimize, optimizer
 from slam.graph.g2o import read_edges, read_g2o
-from slam.graph.optimizer import MAX_INFORMATION, MIN_INFORMATION, chi2
-from slam.params import Params
+from slam.graph.information import MAX_INFORMATION, MIN_INFORMATION
+from slam.graph.optimizer import chi2
+from slam.params import Params, Value
 from slam.types import Link, LinkType
 from tests.graphs import circles, stacked, truth
-from tests.nodes import chain
+from tests.nodes import at, chain
 
 PARAMS = Params()
 TIGHT = PARAMS.changed({"Optimizer/Epsilon": 1e-12, "Optimizer/Iterations": 100})
@@ -221,6 +222,14 @@ def test_chi2_of_known_residuals() -> None:
     assert chi2(list(graph.links.values()), graph.poses) == pytest.approx(4.0 + 4.0, rel=1e-3)
 
 
+STRATEGIES: dict[str, dict[str, Value]] = {
+    "levenberg": {},
+    "gauss-newton": {"GTSAM/Optimizer": 1},
+    "dogleg": {"GTSAM/Optimizer": 2},
+    "isam2": {"GTSAM/Incremental": True},
+}
+
+
 @pytest.mark.parametrize(
     ("name", "vertices", "edges", "minimum", "tolerance"),
     [
@@ -235,10 +244,124 @@ def test_published_minima(
 ) -> None:
     file = shared_data / "posegraphs" / f"{name}.g2o"
     graph, raw = read_g2o(file), read_edges(file)
-    result = optimize(graph, PARAMS)
     assert (len(graph), len(raw)) == (vertices, edges)
-    # Over the file's own edges: manhattan has pairs with several, which the graph holds as one.
-    assert chi2(raw, result.poses) == pytest.approx(minimum, abs=tolerance)
+    for changes in STRATEGIES.values():
+        result = optimize(graph, PARAMS.changed(changes))
+        # Over the file's own edges: manhattan has pairs with several, which the graph holds as one.
+        assert chi2(raw, result.poses) == pytest.approx(minimum, abs=tolerance), changes
+
+
+def test_the_plane_has_the_minimum_of_planar_data(shared_data: Path) -> None:
+    graph = read_g2o(shared_data / "posegraphs" / "intel.g2o")
+    result = optimize(graph, PARAMS.changed({"Reg/Force3DoF": True}))
+    assert result.chi2_after == pytest.approx(45.0, abs=0.1)
+
+
+@pytest.mark.parametrize("changes", STRATEGIES.values(), ids=STRATEGIES)
+@slowly
+@given(seed=st.integers(0, 99), planar=st.booleans())
+def test_every_strategy_ends_at_the_same_poses(changes: dict[str, Value], seed: int, planar: bool) -> None:
+    params = TIGHT.changed({**changes, "Reg/Force3DoF": planar, "GTSAM/IncRelinearizeThreshold": 1e-7})
+    graph = circles(seed=seed)
+    a, b = optimize(graph, TIGHT.changed({"Reg/Force3DoF": planar})), optimize(graph, params)
+    assert np.allclose(stacked(a.poses), stacked(b.poses), atol=1e-5)
+    assert b.chi2_after == pytest.approx(a.chi2_after, rel=1e-6)
+    assert b.chi2_after < b.chi2_before
+
+
+@slowly
+@given(seed=st.integers(0, 99), dogleg=st.booleans())
+def test_isam2_goes_on_from_where_it_was_and_ends_where_a_fresh_start_ends(seed: int, dogleg: bool) -> None:
+    whole, growing = circles(seed=seed), PoseGraph()
+    params = TIGHT.changed(
+        {"GTSAM/Incremental": True, "GTSAM/Optimizer": 2 * dogleg, "GTSAM/IncRelinearizeThreshold": 1e-7}
+    )
+    for i in sorted(whole.poses):
+        T = whole.poses[1] if i == 1 else growing.poses[i - 1] @ between(whole.T_odom[i - 1], whole.T_odom[i])
+        growing.add_node(i, 0, whole.T_odom[i], np.asarray(T))
+        for link in [k for k in whole.links.values() if max(k.pair) == i]:
+            growing.add_link(link)
+        if i % 20 == 0:
+            kept = growing.solver_state
+            growing.poses = optimize(growing, params).poses
+            went_on = growing.solver_state is kept
+            assert i == 20 or went_on
+    assert np.allclose(stacked(growing.poses), stacked(optimize(whole, TIGHT).poses), atol=1e-5)
+    growing.remove_link(max(k.pair for k in growing.links.values() if k.type.is_loop))
+    less = optimize(growing, params)
+    growing.poses = less.poses
+    assert np.allclose(stacked(less.poses), stacked(optimize(growing, TIGHT).poses), atol=1e-5)
+
+
+def test_isam2_starts_anew_where_the_poses_are_not_its_own() -> None:
+    graph, params = circles(), TIGHT.changed({"GTSAM/Incremental": True, "GTSAM/IncRelinearizeThreshold": 1e-7})
+    optimize(graph, params)
+    kept = graph.solver_state
+    again = optimize(graph, params)
+    anew = graph.solver_state is not kept
+    assert anew
+    assert np.allclose(stacked(again.poses), stacked(optimize(graph, TIGHT).poses), atol=1e-5)
+
+
+def test_what_was_optimised_before_leaves_no_trace_in_a_result() -> None:
+    graph, others = circles(seed=1), [circles(seed=2), circles(40, 3, seed=3)]
+    first = stacked(optimize(graph, PARAMS).poses)
+    for other in others:
+        other.poses = optimize(other, PARAMS).poses
+        optimize(other, PARAMS)
+    assert np.array_equal(stacked(optimize(graph, PARAMS).poses), first)
+    graph.poses = optimize(graph, PARAMS).poses
+    warm = stacked(optimize(graph, PARAMS).poses)
+    optimizer._starts.cache_clear()
+    optimizer._workshop.cache_clear()
+    assert np.array_equal(stacked(optimize(graph, PARAMS).poses), warm)
+
+
+@pytest.mark.parametrize("method", [1, 2])
+def test_steps_that_only_lead_uphill_are_an_error(method: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    solver = gtsam.GaussNewtonOptimizer if method == 1 else gtsam.DoglegOptimizer
+    monkeypatch.setattr(solver, "iterate", lambda _: None)
+    with pytest.raises(OptimizationError, match=r"no way down from chi2 .* GTSAM/Optimizer=0"):
+        optimize(circles(), PARAMS.changed({"GTSAM/Optimizer": method}))
+
+
+@pytest.mark.parametrize(("number", "name"), [(0, "TORO"), ("1", "g2o"), (3, "Ceres")])
+def test_libraries_that_are_not_there_are_refused_by_name(number: Value, name: str) -> None:
+    with pytest.raises(ParameterError, match=rf"Optimizer/Strategy='?{number}'?: must be 2 \(GTSAM\).*{name}"):
+        PARAMS.changed({"Optimizer/Strategy": number})
+
+
+def test_victoria_park_s_trees_agree_once_the_car_s_path_is_optimised(shared_data: Path) -> None:
+    """Landmarks by their positions alone, in the plane."""
+    graph, nodes = PoseGraph(), 1500
+    planar = PARAMS.changed({"Reg/Force3DoF": True, "Optimizer/Epsilon": 1e-9})
+    for tag, a, b, *numbers in map(str.split, (shared_data / "landmarks/victoria_park.txt").read_text().splitlines()):
+        x, y, *rest = map(float, numbers)
+        from_id, to_id = int(a) + 1, int(b) + 1
+        if not len(graph):
+            graph.add_node(1, 0, np.eye(4), np.eye(4))
+        if len(graph) == nodes:
+            break
+        if tag == "ODOMETRY":
+            step = at(x, y, np.degrees(rest[0]))
+            T = graph.poses[from_id] @ step
+            graph.add_node(to_id, 0, T, T)
+            sigmas = np.sqrt([rest[1], rest[4], rest[6]])
+            information = np.diag([sigmas[0] ** -2, sigmas[1] ** -2, 1, 1, 1, sigmas[2] ** -2])
+            graph.add_link(Link(from_id, to_id, LinkType.NEIGHBOR, step, information))
+        elif from_id in graph:
+            information = np.diag([1 / rest[0], 1 / rest[2], 1, 1e-4, 1e-4, 1e-4])
+            graph.add_constraint(Link(from_id, -to_id, LinkType.LANDMARK, at(x, y), information))
+    result = optimize(graph, planar)
+    residual = [
+        (transform(inverse(result.poses[link.from_id]), result.landmarks[link.to_id][None, :3, 3])[0] - seen[:3, 3])[:2]
+        for link in graph.constraints.values()
+        for seen in [link.T_from_to]
+        if seen is not None
+    ]
+    assert len(result.landmarks) > 50
+    assert result.chi2_after < 0.2 * result.chi2_before
+    assert np.sqrt(np.square(residual).mean()) < 0.5, "metres; the sightings' sigma is 0.63"
 
 
 def test_a_long_graph_without_any_error_is_solved_already() -> None:

@@ -12,6 +12,7 @@ import pytest
 from slam.database import MapReader, MapWriter
 from slam.errors import ParameterError
 from slam.geometry import between, translation_norm
+from slam.graph import PoseGraph
 from slam.params import Effect, Params, ParamSpec, Value, specs
 from slam.slam import Slam
 from slam.types import LinkType, Tier, Update
@@ -57,7 +58,7 @@ def test_the_file_has_the_poses_and_links_of_the_engine(tour: Mapped) -> None:
     assert poses.keys() == graph.poses.keys()
     for node_id, T in graph.poses.items():
         np.testing.assert_allclose(poses[node_id], T, atol=1e-5)  # single precision, as in RTAB-Map's files
-    links = {link.pair: link for link in reader.links()}
+    links = {link.pair: link for link in reader.links() if link.type is not LinkType.GRAVITY}
     assert links.keys() == graph.links.keys()
     for pair, link in graph.links.items():
         assert (links[pair].from_id, links[pair].type) == (link.from_id, link.type)
@@ -226,6 +227,22 @@ def test_short_term_memory_has_its_size(size: int) -> None:
     assert len(slam.memory.wm) == 12 - size
 
 
+def test_every_node_knows_which_way_is_up_where_an_accelerometer_says_so(tmp_path: Path) -> None:
+    slam = new_map(tmp_path / "map.db")
+    frames = [replace(f, T_gravity_base=None) if k == 3 else f for k, f in enumerate(sparse()[:6])]
+    fed(slam, frames)
+    slam.close()
+    assert [key[0] for key in slam.graph.constraints] == [1, 2, 3, 5, 6]
+    again = PoseGraph.from_reader(MapReader(tmp_path / "map.db"))
+    for key, link in slam.graph.constraints.items():
+        T_gravity_base = frames[key[0] - 1].T_gravity_base
+        assert T_gravity_base is not None and link.T_from_to is not None
+        np.testing.assert_array_equal(link.T_from_to, T_gravity_base)
+        stored = again.constraints[key].T_from_to
+        assert stored is not None
+        np.testing.assert_allclose(stored, T_gravity_base, atol=1e-6)
+
+
 # Which frames become nodes.
 
 
@@ -313,7 +330,7 @@ def extremes(entry: ParamSpec) -> list[Value]:
     if isinstance(entry.default, bool):
         return [not entry.default]
     if isinstance(entry.default, str):
-        return [".png"]
+        return list(entry.choices)
     far = max(10, 10 * entry.default)
     bounds = (-far if entry.minimum is None else entry.minimum, far if entry.maximum is None else entry.maximum)
     return [type(entry.default)(bound) for bound in bounds]
@@ -377,7 +394,8 @@ def test_the_file_takes_a_restart(tmp_path: Path) -> None:
         (1, len(slam.graph) - 22, True, "tour:"),
     ]
     assert reader.nodes().map_ids.tolist() == list(slam.graph.map_ids.values())
-    assert {link.pair for link in reader.links()} == slam.graph.links.keys()
+    linked = {link.pair for link in reader.links() if link.type is not LinkType.GRAVITY}
+    assert linked == slam.graph.links.keys()
     assert [frame.lost != "" for frame in reader.trajectory()] == [k in (22, 23) for k in range(44)]
 
 

@@ -144,6 +144,7 @@ def test_from_reader_keeps_poses_and_leaves_out_what_has_no_place_in_the_graph()
     columns = Columns([1, 2, 3, 4, 5, 6], [0, 0, 1, 1, 1, 1], [0, 3, -1, 0, 0, -9], T_odom)
     graph = PoseGraph.from_reader(Reader(columns, [link(1, 2), prior, landmark, merged, link(4, 6)], poses))
     assert set(graph.links) == {(1, 2)}
+    assert list(graph.constraints.values()) == [prior, landmark]
     assert graph.map_ids == {1: 0, 2: 0, 3: 1, 4: 1}
     assert np.array_equal(graph.poses[2], poses[2])
     assert np.array_equal(graph.poses[4], T_odom[3])
