@@ -65,6 +65,7 @@ class Frame:
         camera: the camera of both images.
         T_world_base: ground truth, where known.
         T_gravity_base: attitude of the base with respect to gravity (rotation only), where an accelerometer tells.
+        depth_delay_s: acquisition time of the depth image minus ``stamp``.
     """
 
     index: int
@@ -74,6 +75,7 @@ class Frame:
     camera: Camera
     T_world_base: Pose | None = None
     T_gravity_base: Pose | None = None
+    depth_delay_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -155,6 +155,13 @@ class OdomGroup(Group):
     ResetCountdown: int = param(
         0, "Lost frames after which odometry starts anew, as a new session; 0 waits.", unit="frames", ge=0
     )
+    ReadoutTime: float = param(
+        -1.0,
+        "Time between the first and the last row of a colour image; 0 is a global shutter, below 0 it is estimated.",
+        unit="ms",
+        ge=-1,
+        le=50,
+    )
     KeyFrameThr: float = param(0.3, "New key frame when inliers fall below this share of features.", ge=0, le=1)
     VisKeyFrameThr: int = param(150, "New key frame when inliers fall below this number.", unit="inliers", ge=0)
 

@@ -47,6 +47,7 @@ class TumFolder:
             )
         self.name = folder.resolve().name
         self._pairs = [(float(colors.stamps[i]), colors.files[i], depths.files[j]) for i, j in pairs]
+        self._delays_s = (depths.stamps[pairs[:, 1]] - colors.stamps[pairs[:, 0]]).tolist()
         self._calibration = read_calibration(folder)
         self._rectifier = make_rectifier(self._calibration)
         self._truth = Truth.read(folder / "groundtruth.txt")
@@ -76,6 +77,7 @@ class TumFolder:
             camera=self.camera,
             T_world_base=None if T_world_cam is None else T_world_cam @ inverse(self.camera.T_base_cam),
             T_gravity_base=self._gravity.at(stamp, self.camera),
+            depth_delay_s=self._delays_s[index],
         )
 
     def _images(self, index: int) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
