@@ -12,11 +12,12 @@ from slam.camera import Camera
 from slam.features.extract import Extractor
 from slam.features.match import match_all, match_near
 from slam.geometry import Array, Pose, between, inverse, se3_log, transform
+from slam.odometry.kalman import VelocityFilter
 from slam.odometry.local_map import LocalMap
 from slam.odometry.shutter import MAX_INTERVAL_S, Readout, View, pixel_jacobian, straighten
 from slam.params import Params
 from slam.registration.pnp import solve_pnp, spread_covariance
-from slam.types import UNKNOWN_VARIANCE, Features, Frame, Odometry, Refusal
+from slam.types import UNKNOWN_VARIANCE, ExternalOdometry, Features, Frame, Odometry, Refusal
 
 #: After a first pose is known, projected points are searched again this near.
 _NARROW_PX = 8.0
@@ -41,9 +42,12 @@ class _Track:
 class FrameToMap:
     """Tracks each frame against a local map of 3D points (``Odom/Strategy`` 0 of RTAB-Map)."""
 
-    def __init__(self) -> None:
+    def __init__(self, local_map: LocalMap) -> None:
+        """Tracks against an empty map, which decides what of a key frame it keeps."""
         self._extractor = Extractor()
-        self._map = LocalMap()
+        self._map = local_map
+        self._filter = VelocityFilter()
+        self._external: ExternalOdometry | None = None
         self._readout = Readout()
         self._T_odom_base: Pose = np.eye(4)
         self._motion: Pose = np.eye(4)
@@ -60,7 +64,7 @@ class FrameToMap:
         self._frame += 1
         if len(self._map) == 0:
             return self._begin(frame, features, params, start)
-        guess = self._T_odom_base @ self._motion if params.Odom.GuessMotion else self._T_odom_base
+        guess = self._T_odom_base @ self._guessed_motion(frame, params)
         track = self._register(frame, features, guess, params)
         if track.agreed < max(params.Vis.MinInliers, _DOUBTFUL * len(track.matches)):
             without_guess = self._relocate(track.view, frame.camera, params)
@@ -69,6 +73,13 @@ class FrameToMap:
         if track.agreed < params.Vis.MinInliers:
             return self._lose(track, params, start)
         return self._advance(frame, track, params, start)
+
+    def _guessed_motion(self, frame: Frame, params: Params) -> Pose:
+        """Motion since the last tracked frame: as odometry from outside has it, or like the motion before."""
+        given, last = frame.external, self._external
+        if params.Odom.External and given is not None and last is not None:
+            return between(last.T_odom_base, given.T_odom_base)
+        return self._motion if params.Odom.GuessMotion else np.eye(4)
 
     def _begin(self, frame: Frame, features: Features, params: Params, start: float) -> Odometry:
         """First key frame of a local map; its covariance says that the chain starts here."""
@@ -79,7 +90,7 @@ class FrameToMap:
             # Level from the start: the map's z points up, as grids and views expect.
             self._T_odom_base = frame.T_gravity_base
         self._begun = True
-        self._stamp = frame.stamp
+        self._stamp, self._external = frame.stamp, frame.external
         rows = np.zeros(0, np.int32)
         view = View.still(features)
         self._map.add_keyframe(self._T_odom_base, view, rows, rows, frame.camera, frame=self._frame, params=params)
@@ -165,9 +176,10 @@ class FrameToMap:
             )
         # After a gap the motion covers several frames and predicts nothing.
         self._motion = between(self._T_odom_base, T_odom_base) if self._lost_frames == 0 else np.eye(4)
-        self._T_odom_base, self._stamp = T_odom_base, frame.stamp
+        self._T_odom_base, self._stamp, self._external = T_odom_base, frame.stamp, frame.external
         self._lost_frames = 0
-        return Odometry(T_odom_base, covariance, features, len(track.matches), track.agreed, keyframe, None, _ms(start))
+        smooth = self._filter.smooth(T_odom_base, frame.stamp, params)
+        return Odometry(smooth, covariance, features, len(track.matches), track.agreed, keyframe, None, _ms(start))
 
     def _learn_readout(
         self, track: _Track, rows: NDArray[np.int32], feature_rows: NDArray[np.int32], camera: Camera
@@ -186,10 +198,11 @@ class FrameToMap:
     def _lose(self, track: _Track, params: Params, start: float) -> Odometry:
         self._lost_frames += 1
         self._motion, self._twist_cam = np.eye(4), np.zeros(6)
+        self._filter.restart()
         features, agreed = track.view.features, track.agreed
         lost = self._refused("Vis/MinInliers", agreed, len(track.matches), agreed, features, params, start)
         if 0 < params.Odom.ResetCountdown <= self._lost_frames:
-            self._map = LocalMap()
+            self._map.clear()
             self._lost_frames = 0
         return lost
 

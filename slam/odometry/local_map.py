@@ -35,13 +35,19 @@ class LocalMap:
     Rows are kept in ascending order of the points' ids.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, last_only: bool = False) -> None:
+        """An empty map; with ``last_only`` it never holds more than the points of the newest key frame."""
+        self._last_only = last_only
+        self._next_id = 1
+        self.clear()
+
+    def clear(self) -> None:
+        """Let go of all points and key frames."""
         self.points_odom = np.zeros((0, 3))
         self.slopes_odom = np.zeros((0, 3))
         self.descriptors = np.zeros((0, 32), np.uint8)
         self._ids = np.zeros(0, np.int64)
         self._last_seen = np.zeros(0, np.int64)
-        self._next_id = 1
         self._keyframes: list[_KeyFrame] = []
 
     def __len__(self) -> int:
@@ -79,6 +85,9 @@ class LocalMap:
             params: the OdomF2M group is read.
         """
         features = view.features
+        if self._last_only:
+            self.clear()
+            rows = feature_rows = np.zeros(0, np.int32)
         new = np.isfinite(features.points_base[:, 0])
         new[feature_rows] = False
         new_rows = np.flatnonzero(new)

@@ -151,6 +151,13 @@ class GFTTGroup(Group):
 class OdomGroup(Group):
     """Odometry."""
 
+    Strategy: int = param(0, "Track against 0 a local map, 1 the last key frame.", ge=0, le=1, effect=_SESSION)
+    External: int = param(
+        0, "Odometry of the source: 0 not used, 1 the guess of visual odometry, 2 alone.", ge=0, le=2, effect=_SESSION
+    )
+    FilteringStrategy: int = param(0, "Smooth the path: 0 not at all, 1 by a Kalman filter.", ge=0, le=1)
+    KalmanProcessNoise: float = param(0.001, "Variance that the velocity gains per frame.", ge=1e-9)
+    KalmanMeasurementNoise: float = param(0.01, "Variance of a measured velocity.", ge=1e-9)
     GuessMotion: bool = param(True, "Predict the next pose with constant velocity.")
     ResetCountdown: int = param(
         0, "Lost frames after which odometry starts anew, as a new session; 0 waits.", unit="frames", ge=0
