@@ -20,7 +20,7 @@ from slam.memory.memory import Memory
 from slam.memory.rehearsal import Rehearsal, moved, rehearse
 from slam.memory.retrieval import choose_retrieval
 from slam.memory.transfer import choose_transfer
-from slam.odometry.frame_to_map import FrameToMap
+from slam.odometry.strategy import make_tracker
 from slam.params import Effect, Params, Value, spec
 from slam.statistics import Facts, describe
 from slam.types import UNKNOWN_VARIANCE, Frame, Link, LinkType, LocalGrid, Node, Odometry, TrackedFrame, Update
@@ -54,7 +54,7 @@ class Slam:
         self.frames: list[TrackedFrame] = []
         self._writer = writer
         self._seed, self._source = seed, source
-        self._odometry = FrameToMap()
+        self._odometry = make_tracker(params)
         self._loops = LoopDetector()
         self._grid = GridLayer(params)
         self._unwritten: list[TrackedFrame] = []

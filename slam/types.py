@@ -54,6 +54,19 @@ class Tier(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ExternalOdometry:
+    """Where somebody else's odometry has the base.
+
+    Attributes:
+        T_odom_base: (4, 4) in a frame of its own.
+        variances: (2,) linear (m^2) and angular (rad^2), of all the motion since its start.
+    """
+
+    T_odom_base: Pose
+    variances: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One synchronised colour and depth image, rectified.
 
@@ -65,6 +78,8 @@ class Frame:
         camera: the camera of both images.
         T_world_base: ground truth, where known.
         T_gravity_base: attitude of the base with respect to gravity (rotation only), where an accelerometer tells.
+        depth_delay_s: acquisition time of the depth image minus ``stamp``.
+        external: odometry from outside, where there is any.
     """
 
     index: int
@@ -74,6 +89,8 @@ class Frame:
     camera: Camera
     T_world_base: Pose | None = None
     T_gravity_base: Pose | None = None
+    depth_delay_s: float = 0.0
+    external: ExternalOdometry | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

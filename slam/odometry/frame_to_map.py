@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,13 @@ from numpy.typing import NDArray
 from slam.camera import Camera
 from slam.features.extract import Extractor
 from slam.features.match import match_all, match_near
-from slam.geometry import Pose, between, inverse, transform
+from slam.geometry import Array, Pose, between, inverse, se3_log, transform
+from slam.odometry.kalman import VelocityFilter
 from slam.odometry.local_map import LocalMap
+from slam.odometry.shutter import MAX_INTERVAL_S, Readout, View, pixel_jacobian, straighten
 from slam.params import Params
 from slam.registration.pnp import solve_pnp, spread_covariance
-from slam.types import UNKNOWN_VARIANCE, Features, Frame, Odometry, Refusal
+from slam.types import UNKNOWN_VARIANCE, ExternalOdometry, Features, Frame, Odometry, Refusal
 
 #: After a first pose is known, projected points are searched again this near.
 _NARROW_PX = 8.0
@@ -22,14 +25,34 @@ _NARROW_PX = 8.0
 _DOUBTFUL = 0.5
 
 
+@dataclass(frozen=True, slots=True)
+class _Track:
+    """A pose, what was seen from it, rows (map, view) that were matched (M, 2), and which agree with the pose (M,)."""
+
+    T_odom_base: Pose
+    view: View
+    matches: NDArray[np.int32]
+    inliers: NDArray[np.bool_]
+
+    @property
+    def agreed(self) -> int:
+        return int(self.inliers.sum())
+
+
 class FrameToMap:
     """Tracks each frame against a local map of 3D points (``Odom/Strategy`` 0 of RTAB-Map)."""
 
-    def __init__(self) -> None:
+    def __init__(self, local_map: LocalMap) -> None:
+        """Tracks against an empty map, which decides what of a key frame it keeps."""
         self._extractor = Extractor()
-        self._map = LocalMap()
+        self._map = local_map
+        self._filter = VelocityFilter()
+        self._external: ExternalOdometry | None = None
+        self._readout = Readout()
         self._T_odom_base: Pose = np.eye(4)
         self._motion: Pose = np.eye(4)
+        self._twist_cam = np.zeros(6)
+        self._stamp = -np.inf
         self._frame = 0
         self._begun = False
         self._lost_frames = 0
@@ -41,16 +64,22 @@ class FrameToMap:
         self._frame += 1
         if len(self._map) == 0:
             return self._begin(frame, features, params, start)
-        guess = self._T_odom_base @ self._motion if params.Odom.GuessMotion else self._T_odom_base
-        T_odom_base, matches, inliers = self._register(features, frame.camera, guess, params)
-        if inliers.sum() < max(params.Vis.MinInliers, _DOUBTFUL * len(matches)):
-            without_guess = self._relocate(features, frame.camera, params)
-            if without_guess[2].sum() > inliers.sum():
-                T_odom_base, matches, inliers = without_guess
-        agreed = int(inliers.sum())
-        if agreed < params.Vis.MinInliers:
-            return self._lose(features, matches, agreed, params, start)
-        return self._advance(frame, features, T_odom_base, matches, inliers, params, start)
+        guess = self._T_odom_base @ self._guessed_motion(frame, params)
+        track = self._register(frame, features, guess, params)
+        if track.agreed < max(params.Vis.MinInliers, _DOUBTFUL * len(track.matches)):
+            without_guess = self._relocate(track.view, frame.camera, params)
+            if without_guess.agreed > track.agreed:
+                track = without_guess
+        if track.agreed < params.Vis.MinInliers:
+            return self._lose(track, params, start)
+        return self._advance(frame, track, params, start)
+
+    def _guessed_motion(self, frame: Frame, params: Params) -> Pose:
+        """Motion since the last tracked frame: as odometry from outside has it, or like the motion before."""
+        given, last = frame.external, self._external
+        if params.Odom.External and given is not None and last is not None:
+            return between(last.T_odom_base, given.T_odom_base)
+        return self._motion if params.Odom.GuessMotion else np.eye(4)
 
     def _begin(self, frame: Frame, features: Features, params: Params, start: float) -> Odometry:
         """First key frame of a local map; its covariance says that the chain starts here."""
@@ -61,104 +90,119 @@ class FrameToMap:
             # Level from the start: the map's z points up, as grids and views expect.
             self._T_odom_base = frame.T_gravity_base
         self._begun = True
+        self._stamp, self._external = frame.stamp, frame.external
         rows = np.zeros(0, np.int32)
-        self._map.add_keyframe(self._T_odom_base, features, rows, rows, frame.camera, frame=self._frame, params=params)
+        view = View.still(features)
+        self._map.add_keyframe(self._T_odom_base, view, rows, rows, frame.camera, frame=self._frame, params=params)
         covariance = np.eye(6) * UNKNOWN_VARIANCE
         return Odometry(self._T_odom_base, covariance, features, 0, with_depth, True, None, _ms(start))
 
-    def _register(
-        self, features: Features, camera: Camera, guess: Pose, params: Params
-    ) -> tuple[Pose, NDArray[np.int32], NDArray[np.bool_]]:
+    def _register(self, frame: Frame, features: Features, guess: Pose, params: Params) -> _Track:
         """Guided matching around the guess, then once more, nearer, around the pose found."""
-        matches = self._match_projected(features, camera, guess, float(params.Vis.CorGuessWinSize), params)
-        T_odom_base, inliers = self._solve(features, matches, camera, guess, params)
-        if inliers.sum() >= params.Vis.MinInliers:
-            matches = self._match_projected(features, camera, T_odom_base, _NARROW_PX, params)
-            T_odom_base, inliers = self._solve(features, matches, camera, T_odom_base, params)
-        return T_odom_base, matches, inliers
+        view = self._straighten(frame, features, self._twist_cam, params)
+        track = self._near(view, frame.camera, guess, float(params.Vis.CorGuessWinSize), params)
+        if track.agreed < params.Vis.MinInliers:
+            return track
+        twist_cam = self._twist(frame, track.T_odom_base)
+        view = self._straighten(frame, features, twist_cam, params)
+        return self._near(view, frame.camera, track.T_odom_base, _NARROW_PX, params)
 
-    def _relocate(
-        self, features: Features, camera: Camera, params: Params
-    ) -> tuple[Pose, NDArray[np.int32], NDArray[np.bool_]]:
+    def _relocate(self, view: View, camera: Camera, params: Params) -> _Track:
         """Matching without a guess: the camera moved too fast, or comes back from being lost."""
+        features = view.features
         matches = match_all(self._map.descriptors, features.descriptors, ratio=params.Vis.CorNNDR)
-        T_odom_base, inliers = self._solve(features, matches, camera, None, params)
-        if inliers.sum() >= params.Vis.MinInliers:
-            matches = self._match_projected(features, camera, T_odom_base, _NARROW_PX, params)
-            T_odom_base, inliers = self._solve(features, matches, camera, T_odom_base, params)
-        return T_odom_base, matches, inliers
+        track = self._solve(view, matches, camera, None, params)
+        if track.agreed < params.Vis.MinInliers:
+            return track
+        return self._near(view, camera, track.T_odom_base, _NARROW_PX, params)
 
-    def _match_projected(
-        self, features: Features, camera: Camera, T_odom_base: Pose, radius: float, params: Params
-    ) -> NDArray[np.int32]:
+    def _near(self, view: View, camera: Camera, T_odom_base: Pose, radius: float, params: Params) -> _Track:
+        """Matches within ``radius`` pixels of where the points should be, and the pose they give."""
         points_cam = transform(inverse(T_odom_base @ camera.T_base_cam), self._map.points_odom)
         predicted = camera.project(points_cam)
         outside = ~((predicted >= 0) & (predicted < (camera.width, camera.height))).all(axis=1)
         predicted[outside] = np.nan
-        return match_near(
+        matches = match_near(
             predicted.astype(np.float32),
             self._map.descriptors,
-            features.pixels,
-            features.descriptors,
+            view.features.pixels,
+            view.features.descriptors,
             radius=radius,
             ratio=params.Vis.CorNNDR,
         )
+        return self._solve(view, matches, camera, T_odom_base, params)
 
     def _solve(
-        self, features: Features, matches: NDArray[np.int32], camera: Camera, guess: Pose | None, params: Params
-    ) -> tuple[Pose, NDArray[np.bool_]]:
+        self, view: View, matches: NDArray[np.int32], camera: Camera, guess: Pose | None, params: Params
+    ) -> _Track:
         if len(matches) < params.Vis.MinInliers:
-            return self._T_odom_base, np.zeros(len(matches), np.bool_)
-        return solve_pnp(
+            return _Track(self._T_odom_base, view, matches, np.zeros(len(matches), np.bool_))
+        T_odom_base, inliers = solve_pnp(
             self._map.points_odom[matches[:, 0]],
-            features.pixels[matches[:, 1]],
-            features.points_base[matches[:, 1]],
+            view.features.pixels[matches[:, 1]],
+            view.features.points_base[matches[:, 1]],
             camera,
             params,
             T_ref_base=guess,
         )
+        return _Track(T_odom_base, view, matches, inliers)
 
-    def _advance(
-        self,
-        frame: Frame,
-        features: Features,
-        T_odom_base: Pose,
-        matches: NDArray[np.int32],
-        inliers: NDArray[np.bool_],
-        params: Params,
-        start: float,
-    ) -> Odometry:
-        rows, feature_rows = matches[inliers].T
+    def _straighten(self, frame: Frame, features: Features, twist_cam: Array, params: Params) -> View:
+        return straighten(features, frame, twist_cam, self._readout.seconds(params), params)
+
+    def _twist(self, frame: Frame, T_odom_base: Pose) -> Array:
+        """Velocity (6,) of the camera since the last frame, per second, in its own frame; 0 where nobody knows."""
+        interval_s = frame.stamp - self._stamp
+        if self._lost_frames or not 0.0 < interval_s <= MAX_INTERVAL_S:
+            return np.zeros(6)
+        T_base_cam = frame.camera.T_base_cam
+        return se3_log(between(self._T_odom_base @ T_base_cam, T_odom_base @ T_base_cam)) / interval_s
+
+    def _advance(self, frame: Frame, track: _Track, params: Params, start: float) -> Odometry:
+        T_odom_base, features = track.T_odom_base, track.view.features
+        rows, feature_rows = track.matches[track.inliers].T
         covariance = spread_covariance(
             self._map.points_odom[rows], features.points_base[feature_rows], T_odom_base, frame.camera, params
         )
+        self._twist_cam = self._twist(frame, T_odom_base)
+        view = track.view
+        if params.Odom.ReadoutTime < 0:
+            view = self._learn_readout(track, rows, feature_rows, frame.camera)
         self._map.seen(rows, features, feature_rows, self._frame)
-        agreed = int(inliers.sum())
-        keyframe = agreed <= params.Odom.VisKeyFrameThr or agreed <= params.Odom.KeyFrameThr * len(features)
+        keyframe = track.agreed <= params.Odom.VisKeyFrameThr or track.agreed <= params.Odom.KeyFrameThr * len(features)
         if keyframe:
             T_odom_base = self._map.add_keyframe(
-                T_odom_base,
-                features,
-                rows,
-                feature_rows,
-                frame.camera,
-                frame=self._frame,
-                params=params,
+                T_odom_base, view, rows, feature_rows, frame.camera, frame=self._frame, params=params
             )
         # After a gap the motion covers several frames and predicts nothing.
         self._motion = between(self._T_odom_base, T_odom_base) if self._lost_frames == 0 else np.eye(4)
-        self._T_odom_base = T_odom_base
+        self._T_odom_base, self._stamp, self._external = T_odom_base, frame.stamp, frame.external
         self._lost_frames = 0
-        return Odometry(T_odom_base, covariance, features, len(matches), agreed, keyframe, None, _ms(start))
+        smooth = self._filter.smooth(T_odom_base, frame.stamp, params)
+        return Odometry(smooth, covariance, features, len(track.matches), track.agreed, keyframe, None, _ms(start))
 
-    def _lose(
-        self, features: Features, matches: NDArray[np.int32], agreed: int, params: Params, start: float
-    ) -> Odometry:
+    def _learn_readout(
+        self, track: _Track, rows: NDArray[np.int32], feature_rows: NDArray[np.int32], camera: Camera
+    ) -> View:
+        """Learns from what was missed; the view, with the pose's own dependence on the readout in its slopes."""
+        T_cam_odom = inverse(track.T_odom_base @ camera.T_base_cam)
+        points_cam = transform(T_cam_odom, self._map.points_odom[rows])
+        jacobian = pixel_jacobian(points_cam, camera)
+        slopes_cam = self._map.slopes_odom[rows] @ T_cam_odom[:3, :3].T
+        slopes = track.view.rates[feature_rows] - np.einsum("nij,nj->ni", jacobian[:, :, :3], slopes_cam)
+        missed = track.view.features.pixels[feature_rows] - camera.project(points_cam)
+        change_s, follows = self._readout.learn(missed, slopes, jacobian)
+        self._map.shift(change_s)
+        return track.view.following(follows, camera)
+
+    def _lose(self, track: _Track, params: Params, start: float) -> Odometry:
         self._lost_frames += 1
-        self._motion = np.eye(4)
-        lost = self._refused("Vis/MinInliers", agreed, len(matches), agreed, features, params, start)
+        self._motion, self._twist_cam = np.eye(4), np.zeros(6)
+        self._filter.restart()
+        features, agreed = track.view.features, track.agreed
+        lost = self._refused("Vis/MinInliers", agreed, len(track.matches), agreed, features, params, start)
         if 0 < params.Odom.ResetCountdown <= self._lost_frames:
-            self._map = LocalMap()
+            self._map.clear()
             self._lost_frames = 0
         return lost
 

@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 from slam.camera import Camera
 from slam.geometry import Pose, inverse, normalized, transform
 from slam.odometry.bundle import adjust
+from slam.odometry.shutter import View
 from slam.params import Params
 from slam.types import Features
 
 _ITERATIONS = 8
+#: Of this many times ``OdomF2M/BundleAdjustmentMaxFrames`` key frames, the older ones hold the points that both see.
+_KEPT = 3
 
 
 @dataclass(slots=True)
@@ -32,12 +35,19 @@ class LocalMap:
     Rows are kept in ascending order of the points' ids.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, last_only: bool = False) -> None:
+        """An empty map; with ``last_only`` it never holds more than the points of the newest key frame."""
+        self._last_only = last_only
+        self._next_id = 1
+        self.clear()
+
+    def clear(self) -> None:
+        """Let go of all points and key frames."""
         self.points_odom = np.zeros((0, 3))
+        self.slopes_odom = np.zeros((0, 3))
         self.descriptors = np.zeros((0, 32), np.uint8)
         self._ids = np.zeros(0, np.int64)
         self._last_seen = np.zeros(0, np.int64)
-        self._next_id = 1
         self._keyframes: list[_KeyFrame] = []
 
     def __len__(self) -> int:
@@ -48,10 +58,14 @@ class LocalMap:
         self._last_seen[rows] = frame
         self.descriptors[rows] = features.descriptors[feature_rows]
 
+    def shift(self, readout_change_s: float) -> None:
+        """The readout time is another than was thought when the points were taken in."""
+        self.points_odom = self.points_odom + self.slopes_odom * readout_change_s
+
     def add_keyframe(
         self,
         T_odom_base: Pose,
-        features: Features,
+        view: View,
         rows: NDArray[np.int32],
         feature_rows: NDArray[np.int32],
         camera: Camera,
@@ -63,32 +77,38 @@ class LocalMap:
 
         Args:
             T_odom_base: (4, 4) tracked pose.
-            features: of the frame.
+            view: what the frame saw.
             rows: (M,) points of the map that the frame saw ...
             feature_rows: (M,) ... and the features that showed them.
             camera: of the frame.
             frame: its number.
             params: the OdomF2M group is read.
         """
+        features = view.features
+        if self._last_only:
+            self.clear()
+            rows = feature_rows = np.zeros(0, np.int32)
         new = np.isfinite(features.points_base[:, 0])
         new[feature_rows] = False
         new_rows = np.flatnonzero(new)
-        ids = np.concatenate([self._ids[rows], self._append(T_odom_base, features, new_rows, frame)])
+        ids = np.concatenate([self._ids[rows], self._append(T_odom_base, view, new_rows, frame)])
         seen = np.concatenate([feature_rows, new_rows])
         order = np.argsort(ids, kind="stable")
         depths = transform(inverse(camera.T_base_cam), features.points_base[seen])[:, 2]
         T_cam_odom = inverse(T_odom_base @ camera.T_base_cam)
         pixels = features.pixels[seen].astype(np.float64)
         self._keyframes.append(_KeyFrame(T_cam_odom, ids[order], pixels[order], (1.0 / depths)[order]))
-        self._keyframes = self._keyframes[-params.OdomF2M.BundleAdjustmentMaxFrames :]
+        self._keyframes = self._keyframes[-_KEPT * params.OdomF2M.BundleAdjustmentMaxFrames :]
         self._trim(params.OdomF2M.MaxSize)
         if params.OdomF2M.BundleAdjustment and len(self._keyframes) > 1:
-            self._adjust(camera)
+            self._adjust(camera, params.OdomF2M.BundleAdjustmentMaxFrames)
         return inverse(self._keyframes[-1].T_cam_odom) @ inverse(camera.T_base_cam)
 
-    def _append(self, T_odom_base: Pose, features: Features, rows: NDArray[np.int64], frame: int) -> NDArray[np.int64]:
+    def _append(self, T_odom_base: Pose, view: View, rows: NDArray[np.int64], frame: int) -> NDArray[np.int64]:
         ids = np.arange(self._next_id, self._next_id + len(rows), dtype=np.int64)
         self._next_id += len(rows)
+        features, R_odom_base = view.features, T_odom_base[:3, :3]
+        self.slopes_odom = np.concatenate([self.slopes_odom, view.slopes_base[rows] @ R_odom_base.T])
         self.points_odom = np.concatenate([self.points_odom, transform(T_odom_base, features.points_base[rows])])
         self.descriptors = np.concatenate([self.descriptors, features.descriptors[rows]])
         self._ids = np.concatenate([self._ids, ids])
@@ -101,12 +121,17 @@ class LocalMap:
             return
         kept = np.sort(np.argsort(-self._last_seen, kind="stable")[:max_size])
         self.points_odom, self.descriptors = self.points_odom[kept], self.descriptors[kept]
+        self.slopes_odom = self.slopes_odom[kept]
         self._ids, self._last_seen = self._ids[kept], self._last_seen[kept]
 
-    def _adjust(self, camera: Camera) -> None:
+    def _adjust(self, camera: Camera, free: int) -> None:
         columns = [self._observations(k, keyframe) for k, keyframe in enumerate(self._keyframes)]
         obs_pose, obs_point, pixels, inverse_depths = (np.concatenate(c) for c in zip(*columns, strict=True))
+        fixed = max(1, len(self._keyframes) - free)
+        moving = np.zeros(len(self), np.bool_)
+        moving[obs_point[obs_pose >= fixed]] = True
         order = np.argsort(obs_point, kind="stable")
+        order = order[moving[obs_point[order]]]
         poses, points, inliers, _, _ = adjust(
             np.stack([keyframe.T_cam_odom for keyframe in self._keyframes]),
             self.points_odom,
@@ -115,7 +140,7 @@ class LocalMap:
             pixels[order],
             inverse_depths[order],
             np.array([camera.fx, camera.fy, camera.cx, camera.cy]),
-            1,
+            fixed,
             _ITERATIONS,
         )
         self.points_odom = points

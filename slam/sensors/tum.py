@@ -18,6 +18,7 @@ from slam.sensors.images import read_color, read_depth
 from slam.sensors.lists import read_image_list
 from slam.sensors.rectify import make_rectifier
 from slam.sensors.truth import Truth
+from slam.sensors.wheels import Wheels
 from slam.stamps import pair_nearest
 from slam.types import Frame
 
@@ -26,7 +27,8 @@ PAIR_WITHIN_S = 0.02
 
 
 class TumFolder:
-    """A recorded sequence: rgb.txt, depth.txt and, where present, groundtruth.txt, accelerometer.txt, calibration.yaml.
+    """A recorded sequence: rgb.txt, depth.txt and, where present, groundtruth.txt, accelerometer.txt, calibration.yaml,
+    and odometry.txt (poses of the base) or wheels.txt (planar increments with sigmas).
 
     Colour and depth are paired one-to-one by nearest stamps within 20 ms; a frame has the stamp of its colour image.
 
@@ -47,10 +49,12 @@ class TumFolder:
             )
         self.name = folder.resolve().name
         self._pairs = [(float(colors.stamps[i]), colors.files[i], depths.files[j]) for i, j in pairs]
+        self._delays_s = (depths.stamps[pairs[:, 1]] - colors.stamps[pairs[:, 0]]).tolist()
         self._calibration = read_calibration(folder)
         self._rectifier = make_rectifier(self._calibration)
         self._truth = Truth.read(folder / "groundtruth.txt")
         self._gravity = Gravity.read(folder / "accelerometer.txt")
+        self._wheels = Wheels.read(folder)
         self._images(0)
 
     @property
@@ -76,6 +80,8 @@ class TumFolder:
             camera=self.camera,
             T_world_base=None if T_world_cam is None else T_world_cam @ inverse(self.camera.T_base_cam),
             T_gravity_base=self._gravity.at(stamp, self.camera),
+            depth_delay_s=self._delays_s[index],
+            external=self._wheels.at(stamp),
         )
 
     def _images(self, index: int) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:

@@ -10,6 +10,7 @@ import pytest
 from slam.evaluate import absolute_error
 from slam.geometry import between, rotation_angle, translation_norm
 from slam.odometry.frame_to_map import FrameToMap
+from slam.odometry.local_map import LocalMap
 from slam.params import Params
 from slam.types import UNKNOWN_VARIANCE, Frame, Odometry
 from tests.tours import blank, covered, dense, sparse, truth
@@ -18,7 +19,7 @@ PARAMS = Params()
 
 
 def tracked(frames: list[Frame] | tuple[Frame, ...], params: Params = PARAMS) -> list[Odometry]:
-    odometry = FrameToMap()
+    odometry = FrameToMap(LocalMap())
     return [odometry.track(frame, params) for frame in frames]
 
 
