@@ -106,6 +106,14 @@ def se3_log(T_a_b: Pose) -> Array:
     return np.concatenate([V_inverse @ T_a_b[:3, 3], phi])
 
 
+def flattened(T_a_b: Pose) -> Pose:
+    """The planar part of a pose: x, y and yaw; without height, roll and pitch (``Reg/Force3DoF``)."""
+    c, s = T_a_b[0, 0], T_a_b[1, 0]
+    length = float(np.hypot(c, s))
+    c, s = (c / length, s / length) if length > _SMALL else (1.0, 0.0)
+    return make(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.array([T_a_b[0, 3], T_a_b[1, 3], 0.0]))
+
+
 def interpolate(T_m_a: Pose, T_m_b: Pose, fraction: float) -> Pose:
     """Pose on the screw motion from a (fraction 0) to b (fraction 1)."""
     return np.asarray(T_m_a @ se3_exp(fraction * se3_log(between(T_m_a, T_m_b))))
