@@ -42,7 +42,7 @@ def by_scans(
         nearest = min(path, key=lambda i: (around[i], i))
         if around[nearest] > params.RGBD.ProximityPathFilteringRadius or joined.intersection(path):
             continue
-        poses = _poses_along(nearest, path, graph, params)
+        poses = poses_along(nearest, path, graph, params)
         merged = _merged({i: T for i, T in poses.items() if memory.nodes[i].scan is not None}, memory)
         if merged is not None:
             guess = between(graph.poses[nearest], graph.poses[node.id])
@@ -50,7 +50,7 @@ def by_scans(
     return candidates
 
 
-def _poses_along(nearest: int, path: Sequence[int], graph: PoseGraph, params: Params) -> dict[int, Pose]:
+def poses_along(nearest: int, path: Sequence[int], graph: PoseGraph, params: Params) -> dict[int, Pose]:
     """``T_nearest_i`` of the node and up to ``RGBD/ProximityPathMaxNeighbors`` of the path on each side of it."""
     left, poses = set(path) - {nearest}, {nearest: np.eye(4)}
     ends = [nearest, nearest]

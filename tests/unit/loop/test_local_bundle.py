@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from slam.geometry import Pose, between, flattened, inverse, rotation_angle, translation_norm
+from slam.loop import local_bundle
 from slam.loop.appearance import verify
 from slam.loop.local_bundle import Beside, nodes_beside, register_bundled
 from slam.params import Params
@@ -22,8 +23,10 @@ PARAMS = Params()
 BUNDLED = PARAMS.changed({"RGBD/LocalBundleOnLoopClosure": True})
 
 
-def place(seed: int, *, count: int = 200, far: float = 0.3) -> tuple[View, View, list[Beside], Pose]:
-    """A new view, an old one, two beside that one, and the true ``T_new_old``; depth is a little off everywhere."""
+def place(
+    seed: int, *, count: int = 200, far: float = 0.3, rough: float = 0.01
+) -> tuple[View, View, list[Beside], Pose]:
+    """A new view, an old one, two beside that one, and the true ``T_new_old``; depth is off by ``rough`` of it."""
     rng = np.random.default_rng(seed)
     points = rng.uniform((2, -2, -1.5), (5, 2, 1.5), (count, 3))
     looks = random_descriptors(count, seed)
@@ -31,7 +34,7 @@ def place(seed: int, *, count: int = 200, far: float = 0.3) -> tuple[View, View,
     views = []
     for k, T in enumerate(poses):
         items = seen_from(T, points, looks, 10 * seed + k)
-        noise = 1 + rng.normal(size=(len(items), 1)) * 0.01
+        noise = 1 + rng.normal(size=(len(items), 1)) * rough
         views.append(View(replace(items, points_base=(items.points_base * noise).astype(np.float32)), CAMERA))
     T_old = poses[1]
     beside = [Beside(view, between(T_old, T)) for view, T in zip(views[2:], poses[2:], strict=True)]
@@ -51,6 +54,20 @@ def test_the_pose_is_better_than_from_two_views_that_share_little() -> None:
         together.append(translation_norm(between(T_new_old, found)))
         assert rotation_angle(between(T_new_old, found)) < 0.005
     assert np.mean(together) < 0.8 * np.mean(alone)
+
+
+def test_adjusting_moves_the_pose_nearer_to_the_truth(monkeypatch: pytest.MonkeyPatch) -> None:
+    places = [place(seed, rough=0.04) for seed in range(12)]
+    adjusted = [register_bundled(new, old, beside, PARAMS).T_from_to for new, old, beside, _ in places]
+    monkeypatch.setattr(local_bundle, "_adjusted", lambda _, __, T_old_new, ___, inliers: (T_old_new, inliers))
+    located = [register_bundled(new, old, beside, PARAMS).T_from_to for new, old, beside, _ in places]
+    errors = np.array(
+        [
+            [translation_norm(between(truth, T)) for T in pair if T is not None]
+            for pair, (_, _, _, truth) in zip(zip(adjusted, located, strict=True), places, strict=True)
+        ]
+    )
+    assert errors[:, 0].mean() < 0.9 * errors[:, 1].mean()
 
 
 def test_what_only_a_neighbour_saw_counts_too() -> None:

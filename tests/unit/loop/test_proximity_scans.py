@@ -9,7 +9,7 @@ import pytest
 
 from slam.geometry import between, inverse, rotation_angle, se3_exp, translation_norm
 from slam.graph.graph import PoseGraph
-from slam.loop.proximity_scans import by_scans
+from slam.loop.proximity_scans import by_scans, poses_along
 from slam.memory.long_term import RamMemory
 from slam.memory.memory import Memory
 from slam.params import Params, Value
@@ -127,3 +127,14 @@ def test_the_link_has_the_direction_of_all_loops() -> None:
     assert candidate.T_from_to is not None
     expected = inverse(graph.poses[7]) @ graph.poses[3]
     np.testing.assert_allclose(candidate.T_from_to, expected, atol=0.01)
+
+
+@pytest.mark.parametrize(("most", "ids"), [(0, [3]), (1, [2, 3, 4]), (2, [1, 2, 3, 4]), (9, [1, 2, 3, 4])])
+@pytest.mark.parametrize("raw", [True, False])
+def test_so_many_neighbours_on_each_side_are_where_they_were(most: int, ids: list[int], raw: bool) -> None:
+    _, graph = mapped()
+    params = changed(RGBD_ProximityPathMaxNeighbors=most, RGBD_ProximityPathRawPosesUsed=raw)
+    poses = poses_along(3, [1, 2, 3, 4], graph, params)
+    assert sorted(poses) == ids
+    for k, T_nearest_k in poses.items():
+        np.testing.assert_allclose(T_nearest_k, between(graph.poses[3], graph.poses[k]), atol=1e-12)

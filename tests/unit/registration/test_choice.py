@@ -206,6 +206,15 @@ def test_optical_flow_leaves_out_what_looks_different() -> None:
     assert a.features.pixels[found.matches[found.inliers, 0], 0].max() < 400
 
 
+def test_optical_flow_trusts_only_what_looks_the_same() -> None:
+    a, b, _ = pictured()
+    assert b.images is not None
+    brighter = replace(b, images=replace(b.images, gray=np.minimum(b.images.gray, 200) + np.uint8(30)))
+    every = VisualRegistration().register(a, brighter, None, changed(Vis_CorType=1, Vis_CorFlowErrorThreshold=255.0))
+    strict = VisualRegistration().register(a, brighter, None, changed(Vis_CorType=1, Vis_CorFlowErrorThreshold=5.0))
+    assert len(every.matches) > 20 > len(strict.matches)
+
+
 def test_flow_can_be_used_after_inverting() -> None:
     a, b, T_from_to = pictured()
     back = VisualRegistration().register(b, a, None, changed(Vis_CorType=1))

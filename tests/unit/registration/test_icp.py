@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slam.geometry import Pose, between, flattened, make, rotation_angle, se3_exp, so3_exp, translation_norm
+from slam.geometry import Pose, between, flattened, inverse, make, rotation_angle, se3_exp, so3_exp, translation_norm
 from slam.params import Params, Value
 from slam.registration.complexity import complexity
 from slam.registration.icp import IcpRegistration
@@ -74,6 +74,17 @@ def test_in_a_corridor_the_way_along_is_left_to_the_guess() -> None:
     assert aside == pytest.approx(0.04, abs=0.03)
     assert up == pytest.approx(-0.03, abs=0.03)
     assert rotation_angle(between(T_from_to, found.T_from_to)) < 0.01
+
+
+def test_the_plainer_scan_s_surfaces_count_in_the_first_frame() -> None:
+    # The second scan looks half a turn to the side, so that its wall faces another of its own axes.
+    guess = make(so3_exp(np.array([0.0, 0.0, 1.5])), np.zeros(3))
+    T_from_to = np.asarray(make(np.eye(3), np.array([0.04, 0.05, -0.05])) @ guess)
+    found = registered(scan(CORNER, np.eye(4), 1, 0.0), scan(WALL, T_from_to, 2, 0.0), guess)
+    assert found.T_from_to is not None
+    middle = found.T_from_to @ inverse(guess) @ np.array([3.0, 0.0, 0.0, 1.0])
+    assert abs(middle[1:3]).max() < 0.01
+    assert middle[0] - 3.0 == pytest.approx(0.04, abs=0.02)
 
 
 def test_low_complexity_is_refused_or_trusted_where_that_is_asked_for() -> None:
