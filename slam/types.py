@@ -179,7 +179,8 @@ class Registration:
     Attributes:
         T_from_to: (4, 4) pose of the second view in the first.
         covariance: (6, 6) x y z roll pitch yaw, m^2 and rad^2.
-        matches: (M, 2) int rows of the features matched (from, to); none when only scans were compared.
+        matches: (M, 2) int rows of the features matched (from, to); none when only scans were compared; with optical
+            flow both are the row of the first view's point.
         inliers: (M,) bool, which matches agree with the transform.
         refusal: the failed test when there is no transform.
         icp: what scans said, where they were compared.

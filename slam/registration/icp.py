@@ -24,6 +24,8 @@ _SURER = 10.0
 _LINEAR_FLOOR = 1e-8
 _ANGULAR_FLOOR = 3e-8
 _FEWEST_POINTS = 10
+#: Thinning that leaves this share of the points found them thin already.
+_AS_THIN = 0.95
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,9 +68,9 @@ def _prepared(scan: Scan, params: Params) -> _Cloud:
         points, given = points[kept], None if given is None else given[kept]
     if icp.VoxelSize > 0:
         fewer = thinned(points, icp.VoxelSize)
-        # Normals of the scan hold as long as thinning leaves its points alone.
-        given = given if len(fewer) == len(points) else None
-        points = fewer
+        # Normals of the scan hold as long as its points are as thin already.
+        if given is None or len(fewer) < _AS_THIN * len(points):
+            points, given = fewer, None
     if not icp.PointToPlane:
         return _Cloud(points, np.zeros((0, 3)), _most(scan, points))
     if given is None:

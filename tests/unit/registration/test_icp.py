@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from slam.geometry import Pose, between, flattened, inverse, make, rotation_angle, se3_exp, so3_exp, translation_norm
 from slam.params import Params, Value
+from slam.registration.cells import thinned
 from slam.registration.complexity import complexity
 from slam.registration.icp import IcpRegistration
 from slam.types import Registration, Scan
@@ -185,6 +186,23 @@ def test_range_steps_and_cubes_choose_the_points() -> None:
     between_both = registered(cloud, cloud, None, changed(VoxelSize=0.0, RangeMin=1.5, RangeMax=3.0)).icp
     assert between_both is not None
     assert between_both.points == pytest.approx(((distance >= 1.5) & (distance <= 3.0)).sum(), abs=3)
+
+
+def test_normals_of_the_scan_are_used_while_its_points_stay() -> None:
+    T_from_to = offset(2)
+    clouds = [
+        Scan(thinned(scan(CORNER, T, k).points_base.astype(np.float64), 0.05).astype(np.float32))
+        for k, T in enumerate((np.eye(4), T_from_to))
+    ]
+    wrong = [Scan(cloud.points_base, np.tile(np.float32([-1, 0, 0]), (len(cloud), 1))) for cloud in clouds]
+    plain, misled = registered(*clouds, None), registered(wrong[0], wrong[1], None)
+    assert plain.icp is not None
+    assert misled.icp is not None
+    assert plain.icp.complexity > 0.5
+    assert misled.icp.complexity < 0.01
+    coarser = registered(wrong[0], wrong[1], None, changed(VoxelSize=0.1)).icp
+    assert coarser is not None
+    assert coarser.complexity > 0.5, "made anew from what is left"
 
 
 def test_covariance_is_a_tenth_of_the_residual_variance_and_turns_a_tenth_of_that() -> None:
