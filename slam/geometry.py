@@ -109,7 +109,16 @@ def se3_log(T_a_b: Pose) -> Array:
 def flat(T: Array) -> Array:
     """Poses (N, 4, 4) in the plane z = 0: x, y and yaw stay, height, roll and pitch are taken out."""
     heading = np.hypot(T[:, 0, 0], T[:, 1, 0])
-    return planar(T[:, 0, 3], T[:, 1, 3], T[:, 0, 0] / heading, T[:, 1, 0] / heading)
+    upright = heading > _SMALL
+    length = np.where(upright, heading, 1.0)
+    # Who looks straight up or down has no yaw: 0 is as good as any.
+    cosine, sine = np.where(upright, T[:, 0, 0] / length, 1.0), np.where(upright, T[:, 1, 0] / length, 0.0)
+    return planar(T[:, 0, 3], T[:, 1, 3], cosine, sine)
+
+
+def flattened(T_a_b: Pose) -> Pose:
+    """The same of one pose (``Reg/Force3DoF``)."""
+    return np.asarray(flat(T_a_b[None])[0])
 
 
 def planar(x: Array, y: Array, cosine: Array, sine: Array) -> Array:

@@ -22,6 +22,8 @@ from slam.memory.retrieval import choose_retrieval
 from slam.memory.transfer import choose_transfer
 from slam.odometry.strategy import make_tracker
 from slam.params import Effect, Params, Value, spec
+from slam.registration.refining import Neighbor, refine
+from slam.registration.scan import equipped
 from slam.statistics import Facts, describe
 from slam.types import UNKNOWN_VARIANCE, Frame, Link, LinkType, LocalGrid, Node, Odometry, TrackedFrame, Update
 
@@ -121,7 +123,8 @@ class Slam:
             rehearsal = rehearse(node, self.memory, self.params)
             if self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, rehearsal)
-            neighbor = self._insert(node)
+            node = equipped(node, frame, self.params, clock)
+            neighbor = self._insert(node, clock)
             gravity = self._level(node, frame)
             self._hang(frame, odometry)
         belief = self._loops.recognize(node, self.memory, self.graph, self.params, clock)
@@ -137,7 +140,7 @@ class Slam:
                 self._grid.move(self.graph.poses)
         with clock.stage("Timing/Forgetting/ms"):
             transferred = self._transfer(belief, retrieved, clock.elapsed_ms)
-        facts = Facts(node, belief, closed, rehearsal, odometry, retrieved, transferred, self._travelled_m)
+        facts = Facts(node, belief, closed, rehearsal, odometry, retrieved, transferred, self._travelled_m, neighbor)
         update = Update(
             frame_index=frame.index,
             stamp=frame.stamp,
@@ -152,7 +155,7 @@ class Slam:
             statistics=describe(facts, self.memory, self.graph, clock),
             time_ms=clock.elapsed_ms,
         )
-        self._write(frame, update, (*neighbor, *gravity, *closed.links), words, grid)
+        self._write(frame, update, (*neighbor.links, *gravity, *closed.links), words, grid)
         self._last, self._covariance = node, np.zeros((6, 6))
         return replace(update, time_ms=clock.elapsed_ms)
 
@@ -225,7 +228,7 @@ class Slam:
         self._hang(frame, odometry)
         return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
 
-    def _insert(self, node: Node) -> tuple[Link, ...]:
+    def _insert(self, node: Node, clock: StageClock) -> Neighbor:
         """Puts a node into graph and STM; returns its link to the node before it in the same session."""
         last, started = self._last, self._restarted() and self._last is not None
         T_map_odom = np.eye(4) if last is None else self.graph.correction
@@ -234,13 +237,18 @@ class Slam:
         if started and self._writer is not None:
             self._writer.start_session(self.params, seed=self._seed, source=self._source)
         if last is None or started:
-            return ()
+            return Neighbor()
         T_last_node = between(last.T_odom_base, node.T_odom_base)
         self._travelled_m += float(np.linalg.norm(T_last_node[:3, 3]))
         information = np.asarray(np.linalg.inv(self._covariance), np.float64)
         link = Link(node.id, last.id, LinkType.NEIGHBOR, between(node.T_odom_base, last.T_odom_base), information)
-        self.graph.add_link(link)
-        return (link,)
+        with clock.stage("Timing/Neighbor_link_refining/ms"):
+            neighbor = refine(link, node, last, self.params)
+        if neighbor.refined:
+            self.graph.poses[node.id] = neighbor.placed(self.graph.poses[last.id])
+        for kept in neighbor.links:
+            self.graph.add_link(kept)
+        return neighbor
 
     def _level(self, node: Node, frame: Frame) -> tuple[Link, ...]:
         """Tells the graph which way is up at a node, where an accelerometer says so."""

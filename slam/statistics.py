@@ -14,7 +14,8 @@ from slam.loop.closing import Closed
 from slam.loop.detector import Belief
 from slam.memory.memory import Memory
 from slam.memory.rehearsal import Rehearsal
-from slam.types import Candidate, LinkType, Node, Odometry
+from slam.registration.refining import Neighbor
+from slam.types import Candidate, LinkType, Node, Odometry, Registration
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,6 +30,7 @@ class Facts:
     retrieved: Sequence[int]
     transferred: Sequence[int]
     travelled_m: float
+    neighbor: Neighbor
 
 
 def describe(facts: Facts, memory: Memory, graph: PoseGraph, clock: StageClock) -> dict[str, float]:
@@ -39,6 +41,7 @@ def describe(facts: Facts, memory: Memory, graph: PoseGraph, clock: StageClock) 
         **_pose(graph.poses[facts.node.id], graph.correction),
         **_memory(facts, memory, graph),
         **_odometry(facts.odometry),
+        **_refining(facts.neighbor.refining),
         **clock.values,
         "Timing/Total/ms": clock.elapsed_ms,
     }
@@ -51,7 +54,9 @@ def _loop(facts: Facts) -> dict[str, float]:
     accepted = 0 if hypothesis is None or hypothesis.refusal is not None else hypothesis.to_id
     shown = _most_telling(candidates)
     posterior = facts.belief.posterior
-    near = [c.to_id for c in proximity if c.refusal is None]
+    near = [c.to_id for c in proximity if c.refusal is None and not c.by_scans]
+    by_scans = [c for c in proximity if c.by_scans]
+    scanned = [c.to_id for c in by_scans if c.refusal is None]
     return {
         "Loop/Id/": float(accepted),
         "Loop/Map_id/": float(facts.node.map_id),
@@ -63,14 +68,36 @@ def _loop(facts: Facts) -> dict[str, float]:
         "Loop/Visual_matches/": 0.0 if shown is None else float(shown.matches),
         "Loop/Visual_inliers/": 0.0 if shown is None else float(shown.inliers),
         "Loop/Visual_words/": float((facts.node.word_ids > 0).sum()),
-        "Proximity/Space_visual_paths_checked/": float(len(proximity)),
+        "Proximity/Space_visual_paths_checked/": float(len(proximity) - len(by_scans)),
+        "Proximity/Space_scan_paths_checked/": float(len(by_scans)),
         "Proximity/Space_detections_added_visually/": float(len(near)),
-        "Proximity/Space_last_detection_id/": float(near[-1] if near else 0),
+        "Proximity/Space_detections_added_icp_multi/": float(len(scanned)),
+        "Proximity/Space_last_detection_id/": float([0, *near, *scanned][-1]),
     }
 
 
 def _most_telling(candidates: Sequence[Candidate]) -> Candidate | None:
-    return max(candidates, key=lambda c: c.inliers, default=None)
+    return max((c for c in candidates if not c.by_scans), key=lambda c: c.inliers, default=None)
+
+
+def _refining(found: Registration | None) -> dict[str, float]:
+    """What refining the link to the node before came to; nothing where it was not tried."""
+    if found is None:
+        return {}
+    values = {
+        "Accepted/": float(found.T_from_to is not None),
+        "Inliers/": float(found.inliers.sum()),
+        "Variance/": float(found.covariance[0, 0]),
+    }
+    if found.icp is not None:
+        values |= {
+            "ICP_inliers_ratio/": found.icp.ratio,
+            "ICP_translation/m": found.icp.translation_m,
+            "ICP_rotation/rad": found.icp.rotation_rad,
+            "ICP_complexity/": found.icp.complexity,
+            "Pts/": float(found.icp.points),
+        }
+    return {f"NeighborLinkRefining/{name}": value for name, value in values.items()}
 
 
 def _closure(closed: Closed) -> dict[str, float]:

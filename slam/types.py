@@ -145,15 +145,62 @@ class Refusal:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """Points of one place for ICP, from a depth image or a laser.
+
+    Attributes:
+        points_base: (N, 3) float32 in the base frame, metres, all finite.
+        normals_base: (N, 3) float32 unit normals; None when they were not computed.
+        most: points that one look can have, where that is fewer than N: what a merged scan is measured by; 0 for N.
+    """
+
+    points_base: NDArray[np.float32]
+    normals_base: NDArray[np.float32] | None = None
+    most: int = 0
+
+    def __len__(self) -> int:
+        return len(self.points_base)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Images:
+    """What optical flow needs of a frame: (H, W) uint8 gray, and (H, W) float32 depth in metres, 0 where unknown."""
+
+    gray: NDArray[np.uint8]
+    depth_m: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class IcpEvidence:
+    """How well two scans agree.
+
+    Attributes:
+        ratio: points with a partner over the points of the larger scan.
+        translation_m: length of the correction of the guess.
+        rotation_rad: its angle.
+        complexity: structural complexity of the plainer scan: 0 a plane, 1 surfaces in all directions.
+        points: of the larger scan.
+    """
+
+    ratio: float
+    translation_m: float
+    rotation_rad: float
+    complexity: float
+    points: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Registration:
     """Outcome of aligning two views: a transform with its evidence, or a refusal (then T_from_to is None).
 
     Attributes:
         T_from_to: (4, 4) pose of the second view in the first.
         covariance: (6, 6) x y z roll pitch yaw, m^2 and rad^2.
-        matches: (M, 2) int rows of the features matched (from, to).
+        matches: (M, 2) int rows of the features matched (from, to); none when only scans were compared; with optical
+            flow both are the row of the first view's point.
         inliers: (M,) bool, which matches agree with the transform.
         refusal: the failed test when there is no transform.
+        icp: what scans said, where they were compared.
     """
 
     T_from_to: Pose | None
@@ -161,6 +208,7 @@ class Registration:
     matches: NDArray[np.int32]
     inliers: NDArray[np.bool_]
     refusal: Refusal | None = None
+    icp: IcpEvidence | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -221,11 +269,12 @@ class Candidate:
         to_id: the older node.
         type: GLOBAL_CLOSURE or LOCAL_SPACE_CLOSURE.
         posterior: 1 - P(virtual place) for a global closure, NaN for a proximity one.
-        matches: features matched; -1 when it was refused before matching.
-        inliers: matches that agree with the transform; -1 likewise.
+        matches: features matched; -1 when it was refused before matching; points compared when only scans were.
+        inliers: matches that agree with the transform; -1 likewise; points that have a partner likewise.
         T_from_to: (4, 4) transform where the registration found one.
         information: (6, 6) where the registration found one.
         refusal: which test refused it.
+        by_scans: whether only scans were compared.
     """
 
     from_id: int
@@ -237,6 +286,7 @@ class Candidate:
     T_from_to: Pose | None
     information: NDArray[np.float64] | None
     refusal: Refusal | None
+    by_scans: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -253,6 +303,8 @@ class Node:
         word_ids: (N,) int32; > 0 is a word of the dictionary, < 0 a key point that was not quantised.
         camera: the camera that saw it.
         T_world_base: ground truth where known.
+        scan: its cloud, where ``Reg/Strategy`` asks for ICP.
+        images: its images, where ``Vis/CorType`` asks for optical flow.
     """
 
     id: int
@@ -264,6 +316,8 @@ class Node:
     word_ids: NDArray[np.int32]
     camera: Camera
     T_world_base: Pose | None = None
+    scan: Scan | None = None
+    images: Images | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

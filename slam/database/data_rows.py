@@ -1,4 +1,4 @@
-"""Rows of the table Data: images, calibration and local grid of a node."""
+"""Rows of the table Data: images, calibration, cloud and local grid of a node."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from slam.database.blobs import pack_row, unpack_matrix
 from slam.database.calibration import pack_camera, unpack_cameras
 from slam.database.images import encode_color, encode_depth
 from slam.database.records import NodeRecord
+from slam.database.scans import pack_scan, unpack_scan
 from slam.database.tables import data
 from slam.errors import DatabaseError
 from slam.params import Params
-from slam.types import LocalGrid
+from slam.types import LocalGrid, Scan
 
 _GRID = (data.c.ground_cells, data.c.obstacle_cells, data.c.empty_cells)
 _VIEW = (data.c.view_point_x, data.c.view_point_y, data.c.view_point_z)
@@ -31,15 +32,20 @@ class EncodedData:
     image: bytes | None
     depth: bytes | None
     calibration: bytes
+    scan: bytes | None
+    scan_info: bytes | None
 
     @classmethod
     def of(cls, record: NodeRecord, params: Params) -> EncodedData:
         """Encode images and calibration by ``Mem/ImageCompressionFormat`` and ``Mem/DepthCompressionFormat``."""
         image, depth = record.image_bgr, record.depth_m
+        scan, info = (None, None) if record.node.scan is None else pack_scan(record.node.scan)
         return cls(
             image=None if image is None else encode_color(image, params.Mem.ImageCompressionFormat),
             depth=None if depth is None else encode_depth(depth, params.Mem.DepthCompressionFormat),
             calibration=pack_camera(record.node.camera),
+            scan=scan,
+            scan_info=info,
         )
 
 
@@ -50,6 +56,8 @@ def insert_data(connection: Connection, node_id: int, encoded: EncodedData, grid
         "image": encoded.image,
         "depth": encoded.depth,
         "calibration": encoded.calibration,
+        "scan": encoded.scan,
+        "scan_info": encoded.scan_info,
     }
     if grid is not None:
         values |= {
@@ -75,6 +83,12 @@ def read_depth(connection: Connection, node_id: int) -> bytes:
 def read_cameras(connection: Connection, node_id: int) -> tuple[Camera, ...]:
     """The cameras of a node; DatabaseError when the node has none."""
     return unpack_cameras(_present(_blob(connection, node_id, data.c.calibration), node_id, "calibration"))
+
+
+def read_scan(connection: Connection, node_id: int) -> Scan | None:
+    """The cloud of a node; None when it has none."""
+    row = connection.execute(select(data.c.scan, data.c.scan_info).where(data.c.id == node_id)).first()
+    return None if row is None else unpack_scan(row.scan, row.scan_info)
 
 
 def read_local_grid(connection: Connection, node_id: int) -> LocalGrid | None:

@@ -27,7 +27,7 @@ from slam.database.time_enter import read_memory_ids
 from slam.database.word_rows import read_words
 from slam.errors import DatabaseError
 from slam.geometry import Pose
-from slam.types import Features, Link, LocalGrid, OccupancyGrid
+from slam.types import Features, Link, LocalGrid, OccupancyGrid, Scan
 
 _KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration}
 
@@ -129,6 +129,11 @@ class MapReader(DeckReader):
         """The whole dictionary, or those of these words that it has; ascending by id."""
         with self._reading("reading the dictionary") as connection:
             return read_words(connection, ids)
+
+    def scan(self, node_id: int) -> Scan | None:
+        """The cloud of a node in its base frame; None when it has none."""
+        with self._reading(f"reading the cloud of node {node_id}") as connection, _about(self.path, node_id):
+            return data_rows.read_scan(connection, node_id)
 
     def local_grid(self, node_id: int) -> LocalGrid | None:
         """The local grid of a node; None when it has none."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from slam.geometry import translation_norm
+from slam.loop.local_bundle import Beside, register_bundled
 from slam.params import Params
-from slam.registration.visual import register
+from slam.registration.choice import registrar, then_icp
+from slam.registration.view import View
 from slam.types import Candidate, LinkType, Node, Posterior, Refusal, Registration
 
 
@@ -40,9 +44,24 @@ class AppearanceLoops:
         return None
 
 
-def verify(new: Node, old: Node, type: LinkType, posterior: float, params: Params) -> Candidate:
-    """Registers two nodes and puts the outcome, accepted or refused, into a candidate."""
-    found = register(new.features, old.features, old.camera, params)
+def verify(
+    new: Node, old: Node, type: LinkType, posterior: float, params: Params, *, beside: Sequence[Beside] = ()
+) -> Candidate:
+    """Registers two nodes and puts the outcome, accepted or refused, into a candidate.
+
+    Args:
+        new: the newer node.
+        old: the older one.
+        type: of the link that may come of it.
+        posterior: 1 - P(virtual place), NaN for proximity.
+        params: what ``Reg/Strategy`` reads.
+        beside: nodes beside the old one that help (``RGBD/LocalBundleOnLoopClosure``).
+    """
+    if beside:
+        found = register_bundled(View.of(new), View.of(old), beside, params)
+        found = found if params.Reg.Strategy == 0 else then_icp(found, View.of(new), View.of(old), params)
+    else:
+        found = registrar(params).register(View.of(new), View.of(old), None, params)
     refusal = found.refusal or _too_long(found, params)
     information = None if found.T_from_to is None else np.asarray(np.linalg.inv(found.covariance), np.float64)
     return Candidate(

@@ -11,7 +11,9 @@ from slam.graph.graph import PoseGraph
 from slam.loop.appearance import AppearanceLoops, verify
 from slam.loop.bayes import BayesFilter
 from slam.loop.likelihood import adjust, raw_likelihood
+from slam.loop.local_bundle import nodes_beside
 from slam.loop.proximity import nearby
+from slam.loop.proximity_scans import by_scans
 from slam.memory.memory import Memory
 from slam.params import Params
 from slam.types import Candidate, LinkType, Node, Posterior
@@ -74,13 +76,24 @@ class LoopDetector:
             # Odometry has joined them already when the last node is in working memory (Mem/STMSize 1).
             joined = belief.place in graph.neighbors(node.id)
             if belief.place and belief.posterior is not None and not joined:
-                old = memory.nodes[belief.place]
-                found.append(verify(node, old, LinkType.GLOBAL_CLOSURE, belief.posterior.value, params))
+                found.append(
+                    verify(
+                        node,
+                        memory.nodes[belief.place],
+                        LinkType.GLOBAL_CLOSURE,
+                        belief.posterior.value,
+                        params,
+                        beside=nodes_beside(belief.place, memory.nodes, graph, params),
+                    )
+                )
         if not params.RGBD.ProximityBySpace:
             return found
         with clock.stage("Timing/Proximity_by_space/ms"):
             for place in nearby(node.id, memory.wm, graph, belief.likelihood, params):
                 if place != belief.place:
-                    old = memory.nodes[place]
-                    found.append(verify(node, old, LinkType.LOCAL_SPACE_CLOSURE, float("nan"), params))
+                    old, beside = memory.nodes[place], nodes_beside(place, memory.nodes, graph, params)
+                    kind = LinkType.LOCAL_SPACE_CLOSURE
+                    found.append(verify(node, old, kind, float("nan"), params, beside=beside))
+            if params.RGBD.ProximityPathMaxNeighbors > 0 and params.Reg.Strategy > 0:
+                found.extend(by_scans(node, memory, graph, belief.likelihood, found, params))
         return found

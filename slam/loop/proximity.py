@@ -29,17 +29,10 @@ def nearby(
         params: the Proximity parameters of RGBD are read.
     """
     T_map_new = graph.poses[node_id]
-    depth = params.RGBD.ProximityMaxGraphDepth
-    reachable = graph.within(node_id, depth) if depth else dict.fromkeys(graph.component(node_id), 0)
-    around = {
-        place: _distance(T_map_new, graph.poses[place])
-        for place in places
-        if place in reachable and _distance(T_map_new, graph.poses[place]) <= params.RGBD.LocalRadius
-    }
-    paths = sorted(_paths(around, graph), key=lambda path: -max(likelihood.get(i, 0.0) for i in path))
+    around, paths = paths_around(node_id, places, graph, likelihood, params)
     linked = graph.neighbors(node_id)
     chosen: list[int] = []
-    for path in paths[: params.RGBD.ProximityMaxPaths or None]:
+    for path in paths:
         close = [
             i
             for i in path
@@ -49,6 +42,29 @@ def nearby(
         if close and not any(i in linked for i in path):
             chosen.append(max(close, key=lambda i: (likelihood.get(i, 0.0), -around[i], i)))
     return chosen
+
+
+def paths_around(
+    node_id: int,
+    places: Collection[int],
+    graph: PoseGraph,
+    likelihood: Mapping[int, float],
+    params: Params,
+) -> tuple[dict[int, float], list[list[int]]]:
+    """Nodes of working memory around a node with their distance in metres, and the paths they lie on.
+
+    The paths are those that are tried, ``RGBD/ProximityMaxPaths`` at most, the most likely first.
+    """
+    T_map_new = graph.poses[node_id]
+    depth = params.RGBD.ProximityMaxGraphDepth
+    reachable = graph.within(node_id, depth) if depth else dict.fromkeys(graph.component(node_id), 0)
+    around = {
+        place: _distance(T_map_new, graph.poses[place])
+        for place in places
+        if place in reachable and _distance(T_map_new, graph.poses[place]) <= params.RGBD.LocalRadius
+    }
+    paths = sorted(_paths(around, graph), key=lambda path: -max(likelihood.get(i, 0.0) for i in path))
+    return around, paths[: params.RGBD.ProximityMaxPaths or None]
 
 
 def _paths(ids: Mapping[int, float], graph: PoseGraph) -> list[list[int]]:

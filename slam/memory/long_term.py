@@ -30,7 +30,7 @@ class DatabaseMemory:
         """Nothing is left to do: the file has it."""
 
     def load(self, node: Node) -> tuple[Node, WordRows]:
-        """Reads features and words of a node."""
+        """Reads features, words and cloud of a node; its images stay where they are."""
         features, word_ids = self._reader.features(node.id)
         whole = Node(
             node.id,
@@ -42,6 +42,7 @@ class DatabaseMemory:
             word_ids,
             node.camera,
             node.T_world_base,
+            self._reader.scan(node.id),
         )
         return whole, self._reader.words(sorted(set(word_ids[word_ids > 0].tolist())))
 

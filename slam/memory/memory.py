@@ -71,7 +71,8 @@ class Memory:
         for node_id in ids:
             node = self.nodes.pop(node_id)
             self._long_term.store(node, self._words_of(node))
-            self._outlines[node_id] = replace(node, features=node.features.take(np.zeros(0, np.int64)))
+            nothing = node.features.take(np.zeros(0, np.int64))
+            self._outlines[node_id] = replace(node, features=nothing, scan=None, images=None)
             self.dictionary.release(self.bags.pop(node_id).words.tolist())
             del self.wm[node_id]
             self.ltm.add(node_id)

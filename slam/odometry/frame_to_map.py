@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from slam.camera import Camera
 from slam.features.extract import Extractor
 from slam.features.match import match_all, match_near
-from slam.geometry import Array, Pose, between, inverse, se3_log, transform
+from slam.geometry import Array, Pose, between, flattened, inverse, se3_log, transform
 from slam.odometry.kalman import VelocityFilter
 from slam.odometry.local_map import LocalMap
 from slam.odometry.shutter import MAX_INTERVAL_S, Readout, View, pixel_jacobian, straighten
@@ -86,7 +86,7 @@ class FrameToMap:
         with_depth = int(np.isfinite(features.points_base[:, 0]).sum())
         if with_depth < params.Vis.MinInliers:
             return self._refused("features with depth", with_depth, 0, 0, features, params, start)
-        if not self._begun and frame.T_gravity_base is not None:
+        if not self._begun and frame.T_gravity_base is not None and not params.Reg.Force3DoF:
             # Level from the start: the map's z points up, as grids and views expect.
             self._T_odom_base = frame.T_gravity_base
         self._begun = True
@@ -160,6 +160,8 @@ class FrameToMap:
 
     def _advance(self, frame: Frame, track: _Track, params: Params, start: float) -> Odometry:
         T_odom_base, features = track.T_odom_base, track.view.features
+        if params.Reg.Force3DoF:
+            T_odom_base = flattened(T_odom_base)
         rows, feature_rows = track.matches[track.inliers].T
         covariance = spread_covariance(
             self._map.points_odom[rows], features.points_base[feature_rows], T_odom_base, frame.camera, params

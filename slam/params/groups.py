@@ -58,6 +58,15 @@ class MemGroup(Group):
     TransferSortingByWeightId: bool = param(False, "Transfer by weight and id, whatever the time in memory.")
     ImageCompressionFormat: Literal[".jpg", ".png"] = param(".jpg", "Format of stored colour images: .jpg or .png.")
     DepthCompressionFormat: Literal[".rvl", ".png"] = param(".rvl", "Format of stored depth images: .rvl or .png.")
+    LaserScanDownsampleStepSize: int = param(
+        4, "Each node's cloud for ICP takes every n-th pixel of every n-th row of its depth image.", unit="px", ge=1
+    )
+    LaserScanVoxelSize: float = param(
+        0.05, "Cubes that the points of a node's cloud are averaged in; 0 keeps all.", unit="m", ge=0
+    )
+    LaserScanNormalK: int = param(
+        0, "Points that a normal of a node's cloud is fitted to; 0 leaves normals to ICP.", unit="points", ge=0, le=100
+    )
 
 
 class KpGroup(Group):
@@ -123,6 +132,22 @@ class RGBDGroup(Group):
     ProximityMaxPaths: int = param(3, "Paths near by that are tried; 0 is all.", unit="paths", ge=0)
     ProximityPathFilteringRadius: float = param(1.0, "Largest distance of a node near by.", unit="m", ge=0)
     ProximityAngle: float = param(45.0, "Largest difference of viewing direction.", unit="deg", ge=0, le=180)
+    ProximityPathMaxNeighbors: int = param(
+        0,
+        "With ICP: neighbours on each side whose clouds are merged with that of the node near by; 0 is off.",
+        unit="nodes",
+        ge=0,
+    )
+    ProximityPathRawPosesUsed: bool = param(
+        True, "Merge their clouds by odometry and refined neighbour links rather than by the optimised poses."
+    )
+    ProximityMergedScanCovFactor: float = param(
+        100.0, "Covariance of a loop by merged clouds is that of ICP times this.", ge=1
+    )
+    NeighborLinkRefining: bool = param(False, "Register each node with the one before, with odometry as the guess.")
+    LocalBundleOnLoopClosure: bool = param(
+        False, "Adjust a loop together with what the neighbours of the old node saw."
+    )
     CreateOccupancyGrid: bool = param(True, "Make a local grid for each node.")
 
 
@@ -134,10 +159,70 @@ class VisGroup(Group):
     CorNNDR: float = param(0.8, "Ratio of nearest to second nearest descriptor of a match.", ge=0, le=1)
     CorGuessWinSize: int = param(40, "Search window around a projected point.", unit="px", ge=1)
     Iterations: int = param(300, "RANSAC iterations.", ge=1)
+    EstimationType: int = param(
+        1, "0 aligns 3D with 3D, 1 is PnP (2, epipolar geometry, is not supported).", ge=0, le=1
+    )
+    CorType: int = param(
+        0, "0 matches descriptors, 1 follows points by optical flow (keeps each node's images in RAM).", ge=0, le=1
+    )
+    InlierDistance: float = param(0.1, "With 3D-3D: largest distance of an inlier.", unit="m", ge=0.001)
+    RefineIterations: int = param(5, "With 3D-3D: rounds of choosing the inliers anew.", ge=0)
     PnPReprojError: float = param(2.0, "Reprojection error of an inlier.", unit="px", ge=0.1)
+    PnPFlags: int = param(0, "Solver of RANSAC's small samples: 0 AP3P, 1 EPnP, 2 P3P.", ge=0, le=2)
     PnPVarianceMedianRatio: int = param(4, "Covariance from the n/ratio-th smallest error.", ge=2)
+    PnPSplitLinearCovComponents: bool = param(False, "Linear covariance of each axis by itself.")
+    PnPMaxVariance: float = param(0.0, "Largest linear variance of a registration; 0 is off.", unit="m^2", ge=0)
+    MeanInliersDistance: float = param(
+        0.0, "Largest mean distance of the inliers from the camera; 0 is off.", unit="m", ge=0
+    )
+    MinInliersDistribution: float = param(
+        0.0,
+        "Least spread of the inliers over the image: the smaller variance of their place, with sides of 1; 0 is off.",
+        ge=0,
+        le=0.5,
+    )
+    CorFlowWinSize: int = param(16, "Optical flow: window.", unit="px", ge=3)
+    CorFlowIterations: int = param(30, "Optical flow: most iterations.", ge=1)
+    CorFlowEps: float = param(0.01, "Optical flow: step at which to stop.", unit="px", ge=0)
+    CorFlowMaxLevel: int = param(3, "Optical flow: levels of the image pyramid above the image.", ge=0, le=10)
+    CorFlowErrorThreshold: float = param(20.0, "Optical flow: largest mean difference of gray values.", ge=0)
     MinDepth: float = param(0.0, "Depth from which a key point is used.", unit="m", ge=0)
     MaxDepth: float = param(0.0, "Depth up to which a key point is used; 0 is no limit.", unit="m", ge=0)
+
+
+class RegGroup(Group):
+    """How two nodes are registered."""
+
+    Strategy: int = param(0, "0 by images, 1 by clouds (ICP), 2 by images and then by clouds.", ge=0, le=2)
+    Force3DoF: bool = param(False, "Planar motion: only x, y and yaw are estimated.", effect=_SESSION)
+    RepeatOnce: bool = param(True, "Without a guess, match once more around the transform found.")
+
+
+class IcpGroup(Group):
+    """Registration of clouds."""
+
+    VoxelSize: float = param(0.05, "Cubes that points are averaged in; 0 keeps all.", unit="m", ge=0)
+    DownsamplingStep: int = param(1, "Use every n-th point.", unit="points", ge=1)
+    RangeMin: float = param(0.0, "Nearest point used.", unit="m", ge=0)
+    RangeMax: float = param(0.0, "Farthest point used; 0 is no limit.", unit="m", ge=0)
+    MaxCorrespondenceDistance: float = param(0.1, "Largest distance of a pair of points.", unit="m", ge=0.001)
+    OutlierRatio: float = param(0.85, "Share of the pairs, the nearest ones, that counts.", ge=0.01, le=1)
+    Iterations: int = param(30, "Most iterations.", ge=1)
+    Epsilon: float = param(0.0, "Step (metres and radians) at which to stop; 0 stops when hardly anything moves.", ge=0)
+    CorrespondenceRatio: float = param(
+        0.1, "Refused when a smaller share of the points of the larger cloud has a partner.", ge=0, le=1
+    )
+    MaxTranslation: float = param(0.2, "Largest correction of the guess; 0 is no limit.", unit="m", ge=0)
+    MaxRotation: float = param(0.78, "Largest correction of the guess; 0 is no limit.", unit="rad", ge=0)
+    PointToPlane: bool = param(True, "Distances to the planes around points, not to the points.")
+    PointToPlaneK: int = param(5, "Points that a normal is fitted to.", unit="points", ge=3, le=100)
+    PointToPlaneMinComplexity: float = param(
+        0.02, "Structural complexity (0 a plane, 1 all directions) that planes need to fix all axes.", ge=0, le=1
+    )
+    PointToPlaneLowComplexityStrategy: int = param(
+        1, "Below that: 0 refuses, 1 corrects only axes that are seen, 2 trusts the distances to points.", ge=0, le=2
+    )
+    Force4DoF: bool = param(False, "Only x, y, z and yaw.")
 
 
 class GFTTGroup(Group):
@@ -179,12 +264,6 @@ class OdomF2MGroup(Group):
     MaxSize: int = param(2000, "Points in the local map.", unit="points", ge=100)
     BundleAdjustment: int = param(0, "Adjust key frames and points together: 0 off, 1 on.", ge=0, le=1)
     BundleAdjustmentMaxFrames: int = param(10, "Key frames that are adjusted together.", unit="frames", ge=2, le=50)
-
-
-class RegGroup(Group):
-    """Registration of two views."""
-
-    Force3DoF: bool = param(False, "Planar motion: only x, y and yaw are estimated.", effect=_SESSION)
 
 
 class OptimizerGroup(Group):

@@ -19,6 +19,8 @@ _MEDIAN_TO_VARIANCE = 2.1981
 #: With fewer depths than this the view's own points are guessed, by lengthening their rays from the other's.
 _LEAST_DEPTHS = 4
 _GUESSED_DEPTH = 1.1
+#: ``Vis/PnPFlags`` of RANSAC's samples; what follows is the same for all.
+_SOLVERS = (cv2.SOLVEPNP_AP3P, cv2.SOLVEPNP_EPNP, cv2.SOLVEPNP_P3P)
 _LINEAR_FLOOR = 1e-8
 _ANGULAR_FLOOR = 3e-8
 
@@ -74,7 +76,7 @@ def _ransac(points_ref: Array, pixels: Array, camera: Camera, params: Params) ->
         iterationsCount=params.Vis.Iterations,
         reprojectionError=params.Vis.PnPReprojError,
         confidence=0.999,
-        flags=cv2.SOLVEPNP_AP3P,
+        flags=_SOLVERS[params.Vis.PnPFlags],
     )
     if not found or not np.isfinite(rotation).all() or not np.isfinite(translation).all():
         return None
@@ -90,6 +92,7 @@ def spread_covariance(
     same of the squared angle between both rays from the camera; each times 2.1981. (RTAB-Map takes the angle itself,
     not its square.) A turn and a sidestep look alike at the depth of the scene, so that the angular sigma is at least
     the linear one over the median depth. A view without depth is taken to be a tenth of it wrong, as RTAB-Map does.
+    With ``Vis/PnPSplitLinearCovComponents`` each axis of the view's base frame has its own linear variance.
     """
     T_cam_ref = inverse(T_ref_base @ camera.T_base_cam)
     expected = transform(T_cam_ref, points_ref)
@@ -104,6 +107,10 @@ def spread_covariance(
     angles = np.arccos(np.clip(cosine, -1.0, 1.0))
     k = len(squared) // params.Vis.PnPVarianceMedianRatio
     linear = max(_LINEAR_FLOOR, _MEDIAN_TO_VARIANCE * float(np.partition(squared, k)[k]))
+    axes = [linear] * 3
+    if params.Vis.PnPSplitLinearCovComponents:
+        apart = ((expected - measured) @ camera.T_base_cam[:3, :3].T) ** 2
+        axes = np.maximum(_LINEAR_FLOOR, _MEDIAN_TO_VARIANCE * np.partition(apart, k, axis=0)[k]).tolist()
     sidestep = linear / float(np.median(expected[:, 2])) ** 2
     angular = max(_ANGULAR_FLOOR, sidestep, _MEDIAN_TO_VARIANCE * float(np.partition(angles, k)[k]) ** 2)
-    return np.diag([linear] * 3 + [angular] * 3)
+    return np.diag(axes + [angular] * 3)

@@ -192,3 +192,24 @@ def test_half_turns_about_every_axis(sign: float) -> None:
         R = g.so3_exp(sign * np.pi * axis)
         assert close(g.so3_exp(g.so3_log(R)), R, 1e-12)
         assert np.isclose(np.linalg.norm(g.so3_log(R)), np.pi)
+
+
+@given(st.lists(st.floats(-3, 3), min_size=6, max_size=6))
+def test_flattened_is_planar_keeps_the_heading_and_changes_nothing_twice(tangent: list[float]) -> None:
+    T = g.se3_exp(np.array(tangent))
+    flat = g.flattened(T)
+    np.testing.assert_allclose(g.flattened(flat), flat, atol=1e-15)
+    np.testing.assert_array_equal(flat[2], [0, 0, 1, 0])
+    np.testing.assert_array_equal(flat[:2, 3], T[:2, 3])
+    np.testing.assert_allclose(flat[:3, :3] @ flat[:3, :3].T, np.eye(3), atol=1e-12)
+    if np.hypot(T[0, 0], T[1, 0]) > 1e-3:
+        difference = g.to_euler_rpy(flat)[2] - g.to_euler_rpy(T)[2]
+        np.testing.assert_allclose(np.exp(1j * difference), 1.0, atol=1e-9)
+
+
+@given(st.floats(-3, 3), st.floats(-9, 9), st.floats(-9, 9), st.floats(-3, 3))
+def test_planar_motions_stay_themselves_and_compose(yaw: float, x: float, y: float, turn: float) -> None:
+    a = g.make(g.so3_exp(np.array([0.0, 0.0, yaw])), np.array([x, y, 0.0]))
+    b = g.make(g.so3_exp(np.array([0.0, 0.0, turn])), np.array([y, -x, 0.0]))
+    np.testing.assert_allclose(g.flattened(a), a, atol=1e-12)
+    np.testing.assert_allclose(g.flattened(a @ b), g.flattened(a) @ g.flattened(b), atol=1e-9)

@@ -28,14 +28,15 @@ RTABMAP = {
     "Optimization_error/ Optimization_iterations/ MapToOdom_norm/m MapToOdom_angle/deg MapToOdom_x/m MapToOdom_y/m "
     "MapToOdom_z/m MapToOdom_roll/deg MapToOdom_pitch/deg MapToOdom_yaw/deg MapToBase_x/m MapToBase_y/m MapToBase_z/m "
     "MapToBase_roll/deg MapToBase_pitch/deg MapToBase_yaw/deg",
-    "Proximity": "Space_visual_paths_checked/ Space_detections_added_visually/ Space_last_detection_id/",
+    "Proximity": "Space_visual_paths_checked/ Space_scan_paths_checked/ Space_detections_added_visually/ "
+    "Space_detections_added_icp_multi/ Space_last_detection_id/",
     "Memory": "Short_time_memory_size/ Working_memory_size/ Local_graph_size/ Signatures_removed/ "
     "Signatures_retrieved/ Rehearsal_id/ Rehearsal_sim/ Distance_travelled/m Odometry_variance_lin/ "
     "Odometry_variance_ang/",
     "Keypoint": "Dictionary_size/words Current_frame/words",
     "Odometry": "Features/ Inliers/ KeyFrameAdded/ TotalTime/ms",
-    "Timing": "Memory_update/ms Likelihood_computation/ms Posterior_computation/ms Reactivation/ms "
-    "Hypotheses_validation/ms Proximity_by_space/ms Map_optimization/ms Forgetting/ms Total/ms",
+    "Timing": "Memory_update/ms Neighbor_link_refining/ms Likelihood_computation/ms Posterior_computation/ms "
+    "Reactivation/ms Hypotheses_validation/ms Proximity_by_space/ms Map_optimization/ms Forgetting/ms Total/ms",
     "TimingMem": "Occupancy_grid/ms",
 }
 

@@ -15,7 +15,7 @@ from slam.errors import DatabaseError
 from slam.memory.long_term import DatabaseMemory, RamMemory
 from slam.memory.memory import Memory
 from slam.params import Params
-from slam.types import Node, Odometry, Update
+from slam.types import Node, Odometry, Scan, Update
 from tests.nodes import features, flipped, node, random_descriptors
 
 PARAMS = Params().changed({"Mem/STMSize": 1, "Kp/MaxFeatures": 15})
@@ -29,11 +29,11 @@ class Map:
         self.memory = Memory(RamMemory() if path is None else DatabaseMemory(MapReader(path)), seed=0)
         self.count = 0
 
-    def add(self, descriptors: NDArray[np.uint8]) -> Node:
+    def add(self, descriptors: NDArray[np.uint8], scan: Scan | None = None) -> Node:
         self.count += 1
         items = features(descriptors)
         word_ids, words = self.memory.quantize(items, PARAMS)
-        new = node(self.count, items, word_ids)
+        new = replace(node(self.count, items, word_ids), scan=scan)
         self.memory.add(new, PARAMS)
         self.write(new, words)
         return new
@@ -121,3 +121,21 @@ def test_a_node_without_words_comes_back_too(place: Map) -> None:
     place.memory.retrieve([1], PARAMS)
     assert len(place.memory.nodes[1].features) == 0
     assert place.memory.bags[1].features == 1
+
+
+@pytest.mark.parametrize("with_normals", [False, True])
+def test_a_cloud_comes_back_with_its_node_and_takes_no_room_meanwhile(place: Map, with_normals: bool) -> None:
+    points = np.random.default_rng(0).normal(size=(2, 50, 3)).astype(np.float32)
+    scan = Scan(points[0], points[1] if with_normals else None)
+    place.add(random_descriptors(20, 1), scan)
+    place.add(random_descriptors(20, 2))
+    place.memory.transfer([1])
+    assert place.memory._outlines[1].scan is None
+    assert place.memory.retrieve([1], PARAMS) == [1]
+    back = place.memory.nodes[1].scan
+    assert back is not None
+    np.testing.assert_array_equal(back.points_base, scan.points_base)
+    assert (back.normals_base is None) == (scan.normals_base is None)
+    if scan.normals_base is not None:
+        np.testing.assert_array_equal(back.normals_base, scan.normals_base)
+    assert place.memory.nodes[2].scan is None

@@ -106,6 +106,17 @@ def test_linear_variance_is_the_scaled_quartile_of_the_squared_distances() -> No
     np.testing.assert_allclose(found.diagonal()[:3], 2.1981 * 0.050**2, rtol=1e-3)
 
 
+def test_each_axis_of_the_base_may_have_its_own_variance() -> None:
+    seen = view(1, 100)
+    apart = np.random.default_rng(0).permutation(np.arange(100))[:, None] * np.array([0.001, 0.002, 0.003])
+    measured = (transform(inverse(seen.T_ref_base), seen.points_ref) + apart).astype(np.float32)
+    split = PARAMS.changed({"Vis/PnPSplitLinearCovComponents": True})
+    found = spread_covariance(seen.points_ref, measured, seen.T_ref_base, CAMERA, split)
+    np.testing.assert_allclose(found.diagonal()[:3], 2.1981 * np.array([0.025, 0.05, 0.075]) ** 2, rtol=1e-3)
+    together = spread_covariance(seen.points_ref, measured, seen.T_ref_base, CAMERA, PARAMS)
+    np.testing.assert_array_equal(found.diagonal()[3:], together.diagonal()[3:])
+
+
 def test_perfect_agreement_still_leaves_a_variance() -> None:
     assert (covariance(view(1, 50), 0.0).diagonal() >= [1e-8] * 3 + [3e-8] * 3).all()
 

@@ -1,0 +1,78 @@
+"""Clouds as RTAB-Map stores laser scans: a matrix of points, and 19 numbers about it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.database.blobs import pack_row, stack_rows, unpack_matrix
+from slam.errors import DatabaseError
+from slam.geometry import transform
+from slam.types import Scan
+
+#: Format number -> whether points have a z, and the channel where their normal begins (0 for none).
+_FORMATS = {
+    **dict.fromkeys((1, 2), (False, 0)),
+    3: (False, 2),
+    4: (False, 3),
+    **dict.fromkeys((5, 6, 7, 11, 12), (True, 0)),
+    8: (True, 3),
+    **dict.fromkeys((9, 10), (True, 4)),
+}
+#: Channels -> format, for scans that don't say theirs.
+_GUESSED = {2: 1, 3: 5, 4: 7, 5: 3, 6: 8, 7: 10}
+_XYZ, _XYZ_NORMAL = 5, 8
+_INFO = 19
+_LOCAL_TRANSFORM = 7
+
+
+def pack_scan(scan: Scan) -> tuple[bytes | None, bytes]:
+    """The columns ``scan`` and ``scan_info`` of a cloud in the base frame."""
+    columns, kind = [scan.points_base], _XYZ
+    if scan.normals_base is not None:
+        columns, kind = [scan.points_base, scan.normals_base], _XYZ_NORMAL
+    info = np.zeros(_INFO, np.float32)
+    info[0], info[6] = kind, len(scan)
+    info[_LOCAL_TRANSFORM:] = np.eye(4)[:3].reshape(-1)
+    return pack_row(np.hstack(columns).astype(np.float32)), info.astype("<f4").tobytes()
+
+
+def unpack_scan(blob: bytes | None, info_blob: bytes | None) -> Scan | None:
+    """The cloud of a node in its base frame, points of a planar laser at its height; None when there is none.
+
+    Raises:
+        DatabaseError: a blob is damaged, or of a format that is not known.
+    """
+    matrix = unpack_matrix(blob)
+    if matrix is None:
+        return None
+    rows = matrix.reshape(-1, matrix.shape[2] if matrix.ndim == 3 else 1).astype(np.float32)
+    info = np.frombuffer(info_blob, "<f4") if info_blob else np.zeros(0, np.float32)
+    if len(info) not in (0, _INFO):
+        raise DatabaseError(f"scan_info has {len(info)} numbers, not the {_INFO} that RTAB-Map writes")
+    kind = int(info[0]) if len(info) else 0
+    kind = kind or _GUESSED.get(rows.shape[1], 0)
+    if kind not in _FORMATS:
+        raise DatabaseError(f"scan of format {kind} with {rows.shape[1]} channels is not known")
+    return _in_base(rows, *_FORMATS[kind], _local_transform(info))
+
+
+def _local_transform(info: NDArray[np.float32]) -> NDArray[np.float64]:
+    if len(info) == 0:
+        return np.eye(4)
+    T_base_scan = stack_rows(info[_LOCAL_TRANSFORM:])[0]
+    return T_base_scan if np.isfinite(T_base_scan).all() else np.eye(4)
+
+
+def _in_base(rows: NDArray[np.float32], solid: bool, normal: int, T_base_scan: NDArray[np.float64]) -> Scan:
+    if rows.shape[1] < max(3 if solid else 2, normal + 3 if normal else 0):
+        raise DatabaseError(f"scan has {rows.shape[1]} channels, too few for its format")
+    points = rows[:, :3].copy() if solid else np.column_stack([rows[:, :2], np.zeros(len(rows), np.float32)])
+    kept = np.isfinite(points).all(axis=1)
+    normals = rows[:, normal : normal + 3] if normal else None
+    if normals is not None:
+        kept &= np.isfinite(normals).all(axis=1)
+    if not np.array_equal(T_base_scan, np.eye(4)):
+        points = transform(T_base_scan, points).astype(np.float32)
+        normals = None if normals is None else (normals @ T_base_scan[:3, :3].T).astype(np.float32)
+    return Scan(points[kept], None if normals is None else np.ascontiguousarray(normals[kept]))
