@@ -54,8 +54,7 @@ class Memory:
     def forget_words(self, node: Node) -> None:
         """The words made for a node that is not kept go again."""
         bag = WordBag.of(node)
-        self.dictionary.use(bag.words.tolist())
-        self.dictionary.release(bag.words.tolist())
+        self.dictionary.discard(bag.words.tolist())
 
     def add(self, node: Node, params: Params) -> None:
         """Takes a new node into STM; what overflows goes to WM."""

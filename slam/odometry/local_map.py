@@ -11,7 +11,7 @@ from slam.camera import Camera
 from slam.geometry import Pose, inverse, normalized, transform
 from slam.odometry.bundle import adjust
 from slam.params import Params
-from slam.types import Features
+from slam.types import Descriptors, Features
 
 _ITERATIONS = 8
 
@@ -34,7 +34,7 @@ class LocalMap:
 
     def __init__(self) -> None:
         self.points_odom = np.zeros((0, 3))
-        self.descriptors = np.zeros((0, 32), np.uint8)
+        self.descriptors: Descriptors = np.zeros((0, 0), np.uint8)
         self._ids = np.zeros(0, np.int64)
         self._last_seen = np.zeros(0, np.int64)
         self._next_id = 1
@@ -90,7 +90,8 @@ class LocalMap:
         ids = np.arange(self._next_id, self._next_id + len(rows), dtype=np.int64)
         self._next_id += len(rows)
         self.points_odom = np.concatenate([self.points_odom, transform(T_odom_base, features.points_base[rows])])
-        self.descriptors = np.concatenate([self.descriptors, features.descriptors[rows]])
+        before = self.descriptors if len(self._ids) else features.descriptors[:0]
+        self.descriptors = np.concatenate([before, features.descriptors[rows]])
         self._ids = np.concatenate([self._ids, ids])
         self._last_seen = np.concatenate([self._last_seen, np.full(len(rows), frame, np.int64)])
         return ids
