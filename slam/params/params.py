@@ -26,6 +26,14 @@ class Params(BaseModel):
     RGBD: g.RGBDGroup = g.RGBDGroup()
     Vis: g.VisGroup = g.VisGroup()
     GFTT: g.GFTTGroup = g.GFTTGroup()
+    FAST: g.FASTGroup = g.FASTGroup()
+    ORB: g.ORBGroup = g.ORBGroup()
+    BRIEF: g.BRIEFGroup = g.BRIEFGroup()
+    FREAK: g.FREAKGroup = g.FREAKGroup()
+    BRISK: g.BRISKGroup = g.BRISKGroup()
+    SIFT: g.SIFTGroup = g.SIFTGroup()
+    KAZE: g.KAZEGroup = g.KAZEGroup()
+    SURF: g.SURFGroup = g.SURFGroup()
     Odom: g.OdomGroup = g.OdomGroup()
     OdomF2M: g.OdomF2MGroup = g.OdomF2MGroup()
     Optimizer: g.OptimizerGroup = g.OptimizerGroup()
@@ -95,7 +103,7 @@ def _checked(name: str, value: Value) -> Value:
         model = group_type.model_validate({field_name: value})
     except ValidationError as error:
         said = spec(name)
-        if said.type == "text":
+        if said.type == "text" or error.errors()[0]["type"] == "value_error":
             right = error.errors()[0]["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
             raise ParameterError(f"{name}={value!r}: must be {right}") from error
         bounds = [f">= {said.minimum:g}"] if said.minimum is not None else []
@@ -125,4 +133,5 @@ def _collect() -> Iterator[ParamSpec]:
                 maximum=entry.get("maximum"),
                 meaning=entry["description"],
                 effect=Effect(entry["effect"]),
+                choices=tuple(entry["choices"]),
             )

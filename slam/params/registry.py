@@ -21,7 +21,11 @@ class Effect(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ParamSpec:
-    """One registered parameter; ``minimum`` and ``maximum`` are inclusive, None where unbounded."""
+    """One registered parameter.
+
+    ``minimum`` and ``maximum`` are inclusive, None where unbounded; ``choices`` are the numbers allowed, where only
+    some between are.
+    """
 
     name: str
     type: str
@@ -31,6 +35,7 @@ class ParamSpec:
     maximum: float | None
     meaning: str
     effect: Effect
+    choices: tuple[int, ...] = ()
 
 
 class Group(BaseModel):
@@ -47,6 +52,8 @@ def param(
     ge: float | None = None,
     le: float | None = None,
     effect: Effect = Effect.LIVE,
+    choices: tuple[int, ...] = (),
 ) -> Any:
     """Field of a group, with all that the registry says of a parameter."""
-    return Field(default, ge=ge, le=le, description=meaning, json_schema_extra={"unit": unit, "effect": effect.value})
+    extra: dict[str, Any] = {"unit": unit, "effect": effect.value, "choices": list(choices)}
+    return Field(default, ge=ge, le=le, description=meaning, json_schema_extra=extra)
