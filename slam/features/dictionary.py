@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.features.index import Index, check_kind, index_for
+from slam.features.index import Index, index_for
+from slam.features.kind import check_kind
 from slam.params import Params
 from slam.types import Descriptors
 

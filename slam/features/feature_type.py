@@ -1,4 +1,4 @@
-"""The feature types by RTAB-Map's numbers."""
+"""The feature types by their numbers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from slam.features.gftt import Gftt
 from slam.features.key_points import KeyPoints
+from slam.features.networks import Network, make_aliked, make_disk
 from slam.features.opencv_types import (
     Both,
     Descriptor,
@@ -98,6 +99,8 @@ _TYPES: dict[int, Callable[[], FeatureType]] = {
     12: lambda: DetectThenDescribe(SurfDetector(), Descriptor(make_freak)),
     13: lambda: DetectThenDescribe(Gftt(_CORNER_PX), Descriptor(make_daisy)),
     14: lambda: DetectThenDescribe(SurfDetector(), Descriptor(make_daisy)),
+    100: lambda: Network(make_aliked),
+    101: lambda: Network(make_disk),
 }
 
 

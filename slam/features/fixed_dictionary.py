@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from slam.database import WordRows
 from slam.errors import ParameterError
 from slam.features.hamming import FAR, distance, pack
-from slam.features.index import check_kind, index_for
+from slam.features.index import index_for
+from slam.features.kind import check_kind
 from slam.params import Params
 from slam.types import Descriptors
 

@@ -8,7 +8,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.errors import ParameterError
 from slam.features.float_index import FloatIndex
 from slam.features.word_index import WordIndex
 from slam.types import Descriptors
@@ -49,16 +48,3 @@ def index_for(descriptors: Descriptors, *, seed: int) -> Index:
     if descriptors.dtype == np.float32:
         return FloatIndex(width, seed=seed)
     return WordIndex(width // _BYTES_PER_PACKED, seed=seed)
-
-
-def check_kind(words: Descriptors, descriptors: Descriptors) -> None:
-    """Refuses descriptors that can't be compared with the words (both (N, B)).
-
-    Raises:
-        ParameterError: another type or width.
-    """
-    if (words.dtype, words.shape[1]) != (descriptors.dtype, descriptors.shape[1]):
-        raise ParameterError(
-            f"descriptors of {descriptors.shape[1]} {descriptors.dtype} can't be compared with the dictionary's words "
-            f"of {words.shape[1]} {words.dtype}: set Kp/DetectorStrategy to the type that the words were made with"
-        )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from slam.features.distances import distance
 from slam.features.hamming import FAR, pack
+from slam.features.kind import check_kind
 from slam.types import Descriptors
 
 #: A match may differ in at most this many of 256 bits.
@@ -73,6 +74,7 @@ def _comparable(
     descriptors_from: Descriptors, descriptors_to: Descriptors
 ) -> tuple[NDArray[Any], NDArray[Any], float, NDArray[Any]]:
     """Both sides as compiled code compares them, what is farther than any distance, and the largest one of a match."""
+    check_kind(descriptors_from, descriptors_to)
     if descriptors_from.dtype != np.float32:
         limit = MAX_DISTANCE * 8 * descriptors_from.shape[1] // 256
         limits = np.full(len(descriptors_from), limit, np.int64)

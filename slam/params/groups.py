@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import field_validator
 
-from slam.params.feature_types import FEATURE_TYPES, checked_feature_type
+from slam.params.feature_types import CHOICES, checked_feature_type
 from slam.params.registry import Effect, Group, param
 from slam.params.roi import checked_ratios
 
@@ -70,7 +70,7 @@ class KpGroup(Group):
     """Visual words."""
 
     DetectorStrategy: int = param(
-        8, "Feature type of the words, by RTAB-Map's number.", effect=_SESSION, choices=FEATURE_TYPES
+        8, "Feature type of the words, by RTAB-Map's number.", effect=_SESSION, choices=CHOICES
     )
     MaxFeatures: int = param(500, "Key points of a node that become words.", unit="words", ge=1)
     MinDepth: float = param(0.0, "Depth from which a key point becomes a word.", unit="m", ge=0)
@@ -156,7 +156,7 @@ class VisGroup(Group):
     """Visual registration and odometry's features."""
 
     FeatureType: int = param(
-        8, "Feature type of odometry and registration, by RTAB-Map's number.", effect=_SESSION, choices=FEATURE_TYPES
+        8, "Feature type of odometry and registration, by RTAB-Map's number.", effect=_SESSION, choices=CHOICES
     )
     MaxFeatures: int = param(1000, "Key points per image.", unit="features", ge=1)
     MinInliers: int = param(20, "Fewest inliers of an accepted registration.", unit="inliers", ge=4)
@@ -259,6 +259,18 @@ class KAZEGroup(Group):
     NOctaves: int = param(4, "Octaves.", ge=1, le=8)
     NOctaveLayers: int = param(4, "Scales of an octave.", ge=1, le=10)
     Diffusivity: int = param(1, "Diffusion: 0 PM g1, 1 PM g2, 2 Weickert, 3 Charbonnier.", ge=0, le=3)
+
+
+class ALIKEDGroup(Group):
+    """ALIKED features, of a network."""
+
+    ModelPath: str = param("", "ONNX file of the network.", effect=_SESSION)
+
+
+class DISKGroup(Group):
+    """DISK features, of a network."""
+
+    ModelPath: str = param("", "ONNX file of the network.", effect=_SESSION)
 
 
 class SURFGroup(Group):

@@ -34,6 +34,8 @@ class Params(BaseModel):
     SIFT: g.SIFTGroup = g.SIFTGroup()
     KAZE: g.KAZEGroup = g.KAZEGroup()
     SURF: g.SURFGroup = g.SURFGroup()
+    ALIKED: g.ALIKEDGroup = g.ALIKEDGroup()
+    DISK: g.DISKGroup = g.DISKGroup()
     Odom: g.OdomGroup = g.OdomGroup()
     OdomF2M: g.OdomF2MGroup = g.OdomF2MGroup()
     Optimizer: g.OptimizerGroup = g.OptimizerGroup()

@@ -131,8 +131,10 @@ def test_descriptors_of_another_kind_are_refused() -> None:
     dictionary = Dictionary(seed=0)
     dictionary.quantize(random_descriptors(3, 0), PARAMS)
     for other in (float_descriptors(2, 0), np.zeros((2, 64), np.uint8)):
-        with pytest.raises(ParameterError, match=r"can't be compared .* of 32 uint8: set Kp/DetectorStrategy"):
+        with pytest.raises(ParameterError, match=r"can't be compared .* of 32 uint8: set .*Kp/DetectorStrategy"):
             dictionary.quantize(other, PARAMS)
+        with pytest.raises(ParameterError, match="can't be compared"):
+            match_all(random_descriptors(3, 0), other, ratio=0.8)
 
 
 def test_the_same_seed_gives_the_same_words() -> None:

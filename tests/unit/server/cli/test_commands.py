@@ -150,6 +150,9 @@ def test_a_run_prints_one_object_and_the_same_twice(tmp_path: Path) -> None:
         (("ruin",), "ruin"),
         (("run", "tour:", "--db", "m.db", "--param", "Mem/ImageCompressionFormat=.bmp"), "'.jpg' or '.png'"),
         (("run", "tour:", "--db", "m.db", "--param", "Bayes/PredictionLC=0.1"), "two or more numbers"),
+        (("run", "tour:", "--db", "m.db", "--param", "Vis/FeatureType=15"), "8 GFTT/ORB"),
+        (("run", "tour:", "--db", "m.db", "--param", "Vis/FeatureType=100"), "ALIKED/ModelPath"),
+        (("run", "tour:", "--db", "m.db", "--param", "Kp/IncrementalDictionary=false"), "Kp/DictionaryPath"),
     ],
 )
 def test_what_is_refused_is_one_line_that_says_what_would_be_right(
