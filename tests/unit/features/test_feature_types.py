@@ -187,8 +187,14 @@ def test_roots_of_sift_have_length_one() -> None:
 
 def test_a_change_of_parameters_is_taken_up() -> None:
     extractor, seen = Extractor(), frame(picture())
-    for number in (1, 8, 2):
-        params = Params().changed({"Vis/FeatureType": number, "Vis/MaxFeatures": 50})
+    steps: list[dict[str, Value]] = [
+        {"Vis/FeatureType": 1},
+        {"Vis/FeatureType": 2},
+        {"Vis/FeatureType": 2, "ORB/NLevels": 1},
+        {"Vis/FeatureType": 8},
+    ]
+    for changes in steps:
+        params = Params().changed({**changes, "Vis/MaxFeatures": 50})
         again = Extractor().extract(seen, params)
         np.testing.assert_array_equal(extractor.extract(seen, params).descriptors, again.descriptors)
 
@@ -227,7 +233,7 @@ def test_a_quadtree_keeps_its_limit_and_reaches_everywhere(limit: int) -> None:
     pixels = np.concatenate([crowd, rng.uniform(0, 300, (50, 2))]).astype(np.float32)
     rows = spread_by_quadtree(pixels, rng.uniform(size=200).astype(np.float32), limit)
     assert len(np.unique(rows)) == len(rows)
-    assert max(1, limit // 2) <= len(rows) <= limit
+    assert max(1, limit - 3) <= len(rows) <= limit
     if limit == 50:
         assert (rows >= 150).sum() > 25, "the crowd in the corner gets few"
 
@@ -237,3 +243,9 @@ def test_depth_limits_of_words_are_their_own() -> None:
     seen = replace(frame(picture()))
     assert np.isnan(Extractor("Vis").extract(seen, params).points_base).all()
     assert np.isfinite(Extractor("Kp").extract(seen, params).points_base).all()
+
+
+def test_a_quadtree_that_is_split_in_part_has_coarse_and_fine_cells() -> None:
+    pixels = np.stack(np.meshgrid(np.arange(16), np.arange(16)), axis=-1).reshape(-1, 2).astype(np.float32)
+    rows = spread_by_quadtree(pixels, np.ones(256, np.float32), 7)
+    assert len(rows) == 7, "three quarters of the image, and four quarters of the first"

@@ -41,12 +41,14 @@ def test_words_of_their_own_are_extracted_for_themselves(changes: dict[str, Valu
 
 
 def test_words_lie_in_their_range_of_depth_and_the_rest_is_kept() -> None:
-    odometry, features, count = chosen(Kp_MinDepth=1.5, Kp_MaxDepth=2.5)
-    depths = features.points_base[:, 0]  # forward is the camera's axis
+    seen = Extractor().extract(FRAME, Params()).points_base[:, 0]  # forward is the camera's axis
+    near, far = (float(depth) for depth in np.nanpercentile(seen, [30, 70]))
+    odometry, features, count = chosen(Kp_MinDepth=near, Kp_MaxDepth=far)
+    depths = features.points_base[:, 0]
     assert 0 < count < len(features) == len(odometry)
-    assert (depths[:count] > 1.5).all() and (depths[:count] <= 2.5).all()
+    assert (depths[:count] > near - 1e-6).all() and (depths[:count] <= far + 1e-6).all()
     rest = depths[count:]
-    assert not ((rest > 1.5) & (rest <= 2.5)).any()
+    assert (rest < near + 1e-6).any() and (rest > far).any() and not ((rest > near + 1e-6) & (rest < far - 1e-6)).any()
     assert sorted(features.responses.tolist()) == sorted(odometry.responses.tolist())
 
 
