@@ -10,6 +10,8 @@ import numpy as np
 from slam.clock import StageClock
 from slam.database import MapReader, MapWriter, NodeRecord, WordRows
 from slam.errors import ParameterError
+from slam.features.dictionary_file import open_dictionary
+from slam.features.words import NodeFeatures
 from slam.geometry import Pose, between
 from slam.graph.graph import PoseGraph
 from slam.loop.closing import Closed, close
@@ -52,11 +54,14 @@ class Slam:
         """
         self.params = params
         self.graph = PoseGraph()
-        self.memory = Memory(RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path)), seed=seed)
+        dictionary = open_dictionary(params, seed=seed, map_path=None if writer is None else writer.path)
+        long_term = RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path))
+        self.memory = Memory(long_term, seed=seed, dictionary=dictionary)
         self.frames: list[TrackedFrame] = []
         self._writer = writer
         self._seed, self._source = seed, source
         self._odometry = make_tracker(params)
+        self._node_features = NodeFeatures()
         self._loops = LoopDetector()
         self._grid = GridLayer(params)
         self._unwritten: list[TrackedFrame] = []
@@ -205,7 +210,8 @@ class Slam:
 
     def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
         assert odometry.T_odom_base is not None
-        word_ids, words = self.memory.quantize(odometry.features, self.params)
+        features, best = self._node_features.of(frame, odometry.features, self.params)
+        word_ids, words = self.memory.quantize(features, self.params, best)
         map_id = 0 if self._last is None else self._last.map_id + int(self._restarted())
         node = Node(
             id=1 if self._last is None else self._last.id + 1,
@@ -213,7 +219,7 @@ class Slam:
             weight=0,
             stamp=frame.stamp,
             T_odom_base=odometry.T_odom_base,
-            features=odometry.features,
+            features=features,
             word_ids=word_ids,
             camera=frame.camera,
             T_world_base=frame.T_world_base,

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from slam.camera import Camera
 from slam.geometry import Pose
 
+#: Descriptors (N, B): uint8 holds B bytes of bits, compared by Hamming distance; float32 holds B numbers, by L2.
+Descriptors = NDArray[np.uint8] | NDArray[np.float32]
+
 #: Variance that means "do not use", as in RTAB-Map.
 UNKNOWN_VARIANCE = 9999.0
 
@@ -103,7 +106,7 @@ class Features:
         angles: (N,) float32 degrees, -1 where the detector gives none.
         responses: (N,) float32 detector score.
         octaves: (N,) int32.
-        descriptors: (N, B) uint8 binary descriptors of B bytes.
+        descriptors: (N, B) uint8 for binary descriptors of B bytes, or float32.
         points_base: (N, 3) float32 in the base frame, metres, NaN where there is no depth.
     """
 
@@ -112,7 +115,7 @@ class Features:
     angles: NDArray[np.float32]
     responses: NDArray[np.float32]
     octaves: NDArray[np.int32]
-    descriptors: NDArray[np.uint8]
+    descriptors: Descriptors
     points_base: NDArray[np.float32]
 
     def __len__(self) -> int:

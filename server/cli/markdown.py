@@ -31,7 +31,7 @@ def parameters_page() -> str:
 def bounds(spec: ParamSpec) -> str:
     """Bounds or choices in words, empty where any value is right."""
     if spec.choices:
-        return ", ".join(spec.choices)
+        return ", ".join(map(str, spec.choices))
     low = "" if spec.minimum is None else f">= {spec.minimum:g}"
     high = "" if spec.maximum is None else f"<= {spec.maximum:g}"
     return " ".join(part for part in (low, high) if part)

@@ -9,6 +9,7 @@ from pathlib import Path
 from slam.database import MapWriter
 from slam.database.lock import MapLock
 from slam.errors import DatabaseError
+from slam.features.files import check_files
 from slam.params import Params
 from slam.slam import Slam
 
@@ -20,9 +21,11 @@ def engine_on_new_map(
     """An engine that writes a new map, and the writer; afterwards the session is ended and the file is one plain file.
 
     Raises:
+        ParameterError: a network or dictionary that the parameters name can't be read; then no file is touched.
         DatabaseError: the file exists and may not be replaced, is no map, or can't be made.
         MapBusyError: somebody writes it.
     """
+    check_files(params)
     if overwrite and path.exists():
         _remove(path)
     with MapWriter.create(path, params, seed=seed, source=source) as writer:

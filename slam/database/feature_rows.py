@@ -12,7 +12,7 @@ from sqlalchemy import Connection, select, text
 from slam.database.insertion import insert_rows
 from slam.database.tables import feature
 from slam.errors import DatabaseError
-from slam.types import Features, Node
+from slam.types import Descriptors, Features, Node
 
 _COLUMNS = tuple(feature.c.keys())
 _NO_ANGLE = -1.0
@@ -41,6 +41,7 @@ def _rows(node_id: int, items: Features, word_ids: NDArray[np.int32]) -> list[tu
     known = np.all(np.isfinite(items.points_base), axis=1, keepdims=True)
     size = items.descriptors.shape[1] if items.descriptors.ndim == 2 else 0
     raw = np.ascontiguousarray(items.descriptors).tobytes()
+    length = size * items.descriptors.itemsize
     count = len(items)
     return list(
         zip(
@@ -53,7 +54,7 @@ def _rows(node_id: int, items: Features, word_ids: NDArray[np.int32]) -> list[tu
             items.octaves.tolist(),
             *np.where(known, items.points_base, np.nan).T.tolist(),
             [size] * count,
-            [raw[i : i + size] for i in range(0, count * size, size)] if size else [None] * count,
+            [raw[i : i + length] for i in range(0, count * length, length)] if size else [None] * count,
             strict=True,
         )
     )
@@ -89,8 +90,8 @@ def read_features(connection: Connection, node_id: int) -> tuple[Features, NDArr
     return features, np.array(words, dtype=np.int32)
 
 
-def read_descriptors(owner: int, widths: tuple[int | None, ...], raw: tuple[bytes | None, ...]) -> NDArray[np.uint8]:
-    """Descriptors (N, B) as bytes, whether they are binary or float32 (then B is four times the size that is stored).
+def read_descriptors(owner: int, widths: tuple[int | None, ...], raw: tuple[bytes | None, ...]) -> Descriptors:
+    """Descriptors (N, B): uint8 where the size that is stored counts bytes, float32 where it counts a fourth of them.
 
     Raises:
         DatabaseError: they are not all of one length.
@@ -105,7 +106,10 @@ def read_descriptors(owner: int, widths: tuple[int | None, ...], raw: tuple[byte
         raise DatabaseError(
             f"descriptors of node or word {owner} have {length} bytes, which their size does not explain"
         )
-    return np.frombuffer(b"".join(blob or b"" for blob in raw), dtype=np.uint8).reshape(len(raw), length)
+    joined = b"".join(blob or b"" for blob in raw)
+    if length and length == 4 * (widths[0] or 1):
+        return np.frombuffer(joined, dtype="<f4").astype(np.float32).reshape(len(raw), length // 4)
+    return np.frombuffer(joined, dtype=np.uint8).reshape(len(raw), length)
 
 
 def _float32(values: tuple[float | None, ...]) -> NDArray[np.float32]:

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.geometry import Pose
-from slam.types import Link, LocalGrid, Node, OccupancyGrid, TrackedFrame, Update
+from slam.types import Descriptors, Link, LocalGrid, Node, OccupancyGrid, TrackedFrame, Update
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WordRows:
-    """Words of the dictionary: ``ids`` (W,) int32, positive; ``descriptors`` (W, B) uint8."""
+    """Words of the dictionary: ``ids`` (W,) int32, positive; ``descriptors`` (W, B) uint8 or float32."""
 
     ids: NDArray[np.int32]
-    descriptors: NDArray[np.uint8]
+    descriptors: Descriptors
 
     def __len__(self) -> int:
         return len(self.ids)

@@ -6,27 +6,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
+from slam.features.region import Wanted
 from slam.geometry import transform
-from slam.params import Params
 
 #: A depth is trusted when its 3x3 neighbourhood spreads less than this share of it.
 _FLAT = 0.05
 
 
 def points_base(
-    pixels: NDArray[np.floating], depth_m: NDArray[np.float32], camera: Camera, params: Params
+    pixels: NDArray[np.floating], depth_m: NDArray[np.float32], camera: Camera, wanted: Wanted
 ) -> NDArray[np.float32]:
     """(N, 3) points in the base frame; NaN where depth is unknown, out of range, or on the edge of something."""
-    points_cam = camera.unproject(pixels, depth_at(depth_m, pixels, params))
+    points_cam = camera.unproject(pixels, depth_at(depth_m, pixels, wanted))
     return transform(camera.T_base_cam, points_cam).astype(np.float32)
 
 
-def depth_at(depth_m: NDArray[np.float32], pixels: NDArray[np.floating], params: Params) -> NDArray[np.float64]:
+def depth_at(depth_m: NDArray[np.float32], pixels: NDArray[np.floating], wanted: Wanted) -> NDArray[np.float64]:
     """Depth (N,) metres at or next to each pixel (N, 2); NaN where ``points_base`` has none."""
     depth = _sample(depth_m, pixels)
-    good = depth > max(0.0, params.Vis.MinDepth)
-    if params.Vis.MaxDepth > 0:
-        good &= depth <= params.Vis.MaxDepth
+    good = depth > max(0.0, wanted.MinDepth)
+    if wanted.MaxDepth > 0:
+        good &= depth <= wanted.MaxDepth
     return np.where(good, depth, np.nan)
 
 

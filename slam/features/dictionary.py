@@ -7,18 +7,18 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.features.hamming import pack
-from slam.features.word_index import WordIndex
+from slam.features.index import Index, index_for
+from slam.features.kind import check_kind
 from slam.params import Params
-
-_WORDS_PER_DESCRIPTOR = 4
+from slam.types import Descriptors
 
 
 class Dictionary:
     """Words in RAM with the number of nodes that use each; words no node uses are let go."""
 
     def __init__(self, *, seed: int) -> None:
-        self._index = WordIndex(_WORDS_PER_DESCRIPTOR, seed=seed)
+        self._seed = seed
+        self._index: Index | None = None
         self._ids = np.zeros(0, np.int32)
         self._rows: dict[int, int] = {}
         self._uses: dict[int, int] = {}
@@ -31,27 +31,34 @@ class Dictionary:
         """Ids of the words in RAM, ascending."""
         return sorted(self._rows)
 
-    def descriptors(self, ids: NDArray[np.int32]) -> NDArray[np.uint8]:
-        """Descriptors (N, 32) of words in RAM."""
-        rows = [self._rows[word] for word in ids.tolist()]
-        return self._index.descriptors[rows].view(np.uint8)
+    def descriptors(self, ids: NDArray[np.int32]) -> Descriptors:
+        """Descriptors (N, B) of words in RAM."""
+        if self._index is None:
+            return np.zeros((0, 0), np.uint8)
+        return self._index.unpacked([self._rows[word] for word in ids.tolist()])
 
     def quantize(
-        self, descriptors: NDArray[np.uint8], params: Params
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.uint8]]:
-        """Word ids (N,) of descriptors (N, 32); and the ids and descriptors of the words made for them."""
-        before = self._index.count
-        rows = self._index.assign(
-            pack(descriptors), params.Kp.NndrRatio, learn=True, together=params.Kp.NewWordsComparedTogether
+        self, descriptors: Descriptors, params: Params
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], Descriptors]:
+        """Word ids (N,) of descriptors (N, B); and the ids and descriptors of the words made for them.
+
+        Raises:
+            ParameterError: the descriptors are of another kind than the words.
+        """
+        if len(descriptors) == 0:
+            return np.zeros(0, np.int32), np.zeros(0, np.int32), descriptors
+        index = self._index_of(descriptors)
+        before = index.count
+        rows = index.assign(
+            index.packed(descriptors), params.Kp.NndrRatio, learn=True, together=params.Kp.NewWordsComparedTogether
         )
-        created = self._index.count - before
+        created = index.count - before
         new_ids = np.arange(self._next_id, self._next_id + created, dtype=np.int32)
         self._next_id += created
         self._register(new_ids, before)
-        new_descriptors = self._index.descriptors[before : self._index.count].view(np.uint8)
-        return self._ids[rows], new_ids, new_descriptors.copy()
+        return self._ids[rows], new_ids, index.unpacked(slice(before, index.count)).copy()
 
-    def restore(self, ids: NDArray[np.int32], descriptors: NDArray[np.uint8], params: Params) -> dict[int, int]:
+    def restore(self, ids: NDArray[np.int32], descriptors: Descriptors, params: Params) -> dict[int, int]:
         """Brings back words of a node from long-term memory.
 
         A word that resembles one in RAM becomes that one; the others come back under their own id.
@@ -63,14 +70,15 @@ class Dictionary:
         renamed = {word: word for word in ids.tolist()}
         if len(missing) == 0:
             return renamed
-        packed = pack(descriptors[missing])
-        rows = self._index.assign(packed, params.Kp.NndrRatio, learn=False, together=False)
+        index = self._index_of(descriptors)
+        packed = index.packed(descriptors[missing])
+        rows = index.assign(packed, params.Kp.NndrRatio, learn=False, together=False)
         for row, word in zip(rows.tolist(), ids[missing].tolist(), strict=True):
             if row >= 0:
                 renamed[word] = int(self._ids[row])
         unknown = rows < 0
-        before = self._index.count
-        self._index.append(packed[unknown])
+        before = index.count
+        index.append(packed[unknown])
         self._register(ids[missing][unknown], before)
         self._next_id = max(self._next_id, int(ids.max()) + 1)
         return renamed
@@ -82,16 +90,32 @@ class Dictionary:
 
     def release(self, ids: Iterable[int]) -> None:
         """One node less has these words; those without any are let go."""
+        index = self._index
+        if index is None:
+            return
         for word in ids:
             left = self._uses.get(word, 0) - 1
             if left > 0:
                 self._uses[word] = left
             else:
                 self._uses.pop(word, None)
-                self._index.alive[self._rows.pop(word)] = False
-        if self._index.count > 4096 and 2 * len(self._rows) < self._index.count:
-            self._ids = self._ids[self._index.compact()]
+                index.alive[self._rows.pop(word)] = False
+        if index.count > 4096 and 2 * len(self._rows) < index.count:
+            self._ids = self._ids[index.compact()]
             self._rows = {word: row for row, word in enumerate(self._ids.tolist())}
+
+    def discard(self, ids: Iterable[int]) -> None:
+        """A node with these words is not kept: those that were made for it go again."""
+        words = list(ids)
+        self.use(words)
+        self.release(words)
+
+    def _index_of(self, descriptors: Descriptors) -> Index:
+        """The index of the words; the first descriptors decide which kind it is."""
+        if self._index is None:
+            self._index = index_for(descriptors, seed=self._seed)
+        check_kind(self._index.unpacked(slice(0, 0)), descriptors)
+        return self._index
 
     def _register(self, ids: NDArray[np.int32], first_row: int) -> None:
         self._ids = np.concatenate([self._ids, ids])

@@ -6,15 +6,18 @@ in some table. Words are added one by one and never moved; those let go stay in 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from slam.features.hamming import FAR, distance
+from slam.features.hamming import FAR, distance, pack
+from slam.types import Descriptors
 
 _TABLES = 16
 _KEY_BITS = 20
-#: Words farther than this are rarely found by the tables, so that they count as being this far.
+#: Words farther than this many of 256 bits are rarely found by the tables, so that they count as being this far.
 HORIZON = 64
 
 Words = NDArray[np.uint64]
@@ -26,6 +29,7 @@ class WordIndex:
 
     def __init__(self, words: int, *, seed: int) -> None:
         self._bits = np.random.default_rng(seed).integers(0, 64 * words, (_TABLES, _KEY_BITS)).astype(np.int32)
+        self._horizon = HORIZON * words // 4
         self.count = 0
         self.descriptors: Words = np.zeros((1024, words), np.uint64)
         self.alive = np.zeros(1024, np.bool_)
@@ -33,6 +37,15 @@ class WordIndex:
         self._heads: Ints = np.full((_TABLES, 1 << _KEY_BITS), -1, np.int32)
         self._stamps: Ints = np.zeros(1024, np.int32)
         self._stamp = 0
+
+    @staticmethod
+    def packed(descriptors: Descriptors) -> Words:
+        """Descriptors (N, B) uint8 as this index holds them."""
+        return pack(np.asarray(descriptors, np.uint8))
+
+    def unpacked(self, rows: Sequence[int] | slice) -> Descriptors:
+        """Descriptors (N, B) uint8 of these rows."""
+        return self.descriptors[rows].view(np.uint8)
 
     def assign(self, descriptors: Words, ratio: float, *, learn: bool, together: bool) -> Ints:
         """Row of each descriptor's word; -1 where there is none and ``learn`` is off.
@@ -58,6 +71,7 @@ class WordIndex:
             known,
             ratio,
             learn,
+            self._horizon,
         )
         return np.asarray(rows)
 
@@ -131,11 +145,12 @@ def _assign(
     known: int,
     ratio: float,
     learn: bool,
+    horizon: int,
 ) -> tuple[Ints, int, int]:
     rows = np.empty(len(descriptors), np.int32)
     for i in range(len(descriptors)):
         stamp += 1
-        best, second, best_row = FAR, HORIZON, -1
+        best, second, best_row = FAR, horizon, -1
         for table in range(len(bits)):
             row = heads[table, _key(descriptors[i], bits[table])]
             while row >= 0:

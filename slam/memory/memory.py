@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from slam.database import WordRows
 from slam.features.dictionary import Dictionary
+from slam.features.fixed_dictionary import FixedDictionary
 from slam.loop.likelihood import WordBag
 from slam.memory.long_term import LongTermMemory
 from slam.params import Params
@@ -30,23 +31,27 @@ class Memory:
         dictionary: the words in RAM.
     """
 
-    def __init__(self, long_term: LongTermMemory, *, seed: int) -> None:
+    def __init__(
+        self, long_term: LongTermMemory, *, seed: int, dictionary: Dictionary | FixedDictionary | None = None
+    ) -> None:
         self.stm: deque[int] = deque()
         self.wm: dict[int, int] = {}
         self.ltm: set[int] = set()
         self.nodes: dict[int, Node] = {}
         self.bags: dict[int, WordBag] = {}
         self.weights: dict[int, int] = {}
-        self.dictionary = Dictionary(seed=seed)
+        self.dictionary = Dictionary(seed=seed) if dictionary is None else dictionary
         self._long_term = long_term
         self._outlines: dict[int, Node] = {}
         self._moved: dict[int, Tier] = {}
         self._renamed: dict[int, dict[int, int]] = {}
         self._entries = 0
 
-    def quantize(self, features: Features, params: Params) -> tuple[NDArray[np.int32], WordRows]:
-        """Word ids of features: the best ``Kp/MaxFeatures`` become words, the rest get negative numbers."""
-        best = min(len(features), params.Kp.MaxFeatures)
+    def quantize(
+        self, features: Features, params: Params, count: int | None = None
+    ) -> tuple[NDArray[np.int32], WordRows]:
+        """Word ids of features: the first ``count`` (``Kp/MaxFeatures``) become words, the rest get negative ids."""
+        best = min(len(features), params.Kp.MaxFeatures if count is None else count)
         words, new_ids, new_descriptors = self.dictionary.quantize(features.descriptors[:best], params)
         rest = -np.arange(1, len(features) - best + 1, dtype=np.int32)
         return np.concatenate([words, rest]).astype(np.int32), WordRows(new_ids, new_descriptors)
@@ -54,8 +59,7 @@ class Memory:
     def forget_words(self, node: Node) -> None:
         """The words made for a node that is not kept go again."""
         bag = WordBag.of(node)
-        self.dictionary.use(bag.words.tolist())
-        self.dictionary.release(bag.words.tolist())
+        self.dictionary.discard(bag.words.tolist())
 
     def add(self, node: Node, params: Params) -> None:
         """Takes a new node into STM; what overflows goes to WM."""

@@ -12,7 +12,7 @@ from slam.geometry import Pose, inverse, normalized, transform
 from slam.odometry.bundle import adjust
 from slam.odometry.shutter import View
 from slam.params import Params
-from slam.types import Features
+from slam.types import Descriptors, Features
 
 _ITERATIONS = 8
 #: Of this many times ``OdomF2M/BundleAdjustmentMaxFrames`` key frames, the older ones hold the points that both see.
@@ -45,7 +45,7 @@ class LocalMap:
         """Let go of all points and key frames."""
         self.points_odom = np.zeros((0, 3))
         self.slopes_odom = np.zeros((0, 3))
-        self.descriptors = np.zeros((0, 32), np.uint8)
+        self.descriptors: Descriptors = np.zeros((0, 0), np.uint8)
         self._ids = np.zeros(0, np.int64)
         self._last_seen = np.zeros(0, np.int64)
         self._keyframes: list[_KeyFrame] = []
@@ -110,7 +110,8 @@ class LocalMap:
         features, R_odom_base = view.features, T_odom_base[:3, :3]
         self.slopes_odom = np.concatenate([self.slopes_odom, view.slopes_base[rows] @ R_odom_base.T])
         self.points_odom = np.concatenate([self.points_odom, transform(T_odom_base, features.points_base[rows])])
-        self.descriptors = np.concatenate([self.descriptors, features.descriptors[rows]])
+        before = self.descriptors if len(self._ids) else features.descriptors[:0]
+        self.descriptors = np.concatenate([before, features.descriptors[rows]])
         self._ids = np.concatenate([self._ids, ids])
         self._last_seen = np.concatenate([self._last_seen, np.full(len(rows), frame, np.int64)])
         return ids

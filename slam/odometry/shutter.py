@@ -74,7 +74,7 @@ def straighten(features: Features, frame: Frame, twist_cam: Array, readout_s: fl
     flow = _flow(points_cam, velocity, camera)
     if frame.depth_delay_s:
         # The depth camera saw the point where it was then, and as far away as it was then.
-        depth = depth_at(frame.depth_m, features.pixels + flow * frame.depth_delay_s, params)
+        depth = depth_at(frame.depth_m, features.pixels + flow * frame.depth_delay_s, params.Vis)
         depth = depth - velocity[:, 2] * frame.depth_delay_s
     rates = -flow * (features.pixels[:, 1:] / camera.height - 0.5)
     pixels = (features.pixels + rates * readout_s).astype(np.float32)

@@ -28,6 +28,16 @@ class Params(BaseModel):
     Vis: g.VisGroup = g.VisGroup()
     Icp: g.IcpGroup = g.IcpGroup()
     GFTT: g.GFTTGroup = g.GFTTGroup()
+    FAST: g.FASTGroup = g.FASTGroup()
+    ORB: g.ORBGroup = g.ORBGroup()
+    BRIEF: g.BRIEFGroup = g.BRIEFGroup()
+    FREAK: g.FREAKGroup = g.FREAKGroup()
+    BRISK: g.BRISKGroup = g.BRISKGroup()
+    SIFT: g.SIFTGroup = g.SIFTGroup()
+    KAZE: g.KAZEGroup = g.KAZEGroup()
+    SURF: g.SURFGroup = g.SURFGroup()
+    ALIKED: g.ALIKEDGroup = g.ALIKEDGroup()
+    DISK: g.DISKGroup = g.DISKGroup()
     Odom: g.OdomGroup = g.OdomGroup()
     OdomF2M: g.OdomF2MGroup = g.OdomF2MGroup()
     Optimizer: g.OptimizerGroup = g.OptimizerGroup()
@@ -129,5 +139,5 @@ def _collect() -> Iterator[ParamSpec]:
                 maximum=entry.get("maximum"),
                 meaning=entry["description"],
                 effect=Effect(entry["effect"]),
-                choices=tuple(entry.get("enum", ())),
+                choices=tuple(entry.get("choices") or entry.get("enum", ())),
             )

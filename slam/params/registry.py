@@ -21,9 +21,10 @@ class Effect(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ParamSpec:
-    """One registered parameter; ``minimum`` and ``maximum`` are inclusive, None where unbounded.
+    """One registered parameter.
 
-    ``choices`` are all values of a text that has only a few.
+    ``minimum`` and ``maximum`` are inclusive, None where unbounded; ``choices`` are all values, where only a few are
+    allowed.
     """
 
     name: str
@@ -34,7 +35,7 @@ class ParamSpec:
     maximum: float | None
     meaning: str
     effect: Effect
-    choices: tuple[str, ...] = ()
+    choices: tuple[int | str, ...] = ()
 
 
 class Group(BaseModel):
@@ -51,6 +52,8 @@ def param(
     ge: float | None = None,
     le: float | None = None,
     effect: Effect = Effect.LIVE,
+    choices: tuple[int, ...] = (),
 ) -> Any:
     """Field of a group, with all that the registry says of a parameter."""
-    return Field(default, ge=ge, le=le, description=meaning, json_schema_extra={"unit": unit, "effect": effect.value})
+    extra: dict[str, Any] = {"unit": unit, "effect": effect.value, "choices": list(choices)}
+    return Field(default, ge=ge, le=le, description=meaning, json_schema_extra=extra)

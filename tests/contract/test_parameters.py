@@ -19,18 +19,35 @@ GROUPS = set(Params.model_fields)
 def reads(source: str) -> Iterator[str]:
     """Full names of the parameters that a module reads, by way of a variable that holds their group too."""
     tree = ast.parse(source)
-    held = {
-        target.id: group
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Assign)
-        for target, value in _pairs(node)
-        if isinstance(target, ast.Name) and (group := _group(value)) is not None
-    }
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
-            group = held.get(node.value.id) if isinstance(node.value, ast.Name) else _group(node.value)
-            if group is not None:
-                yield f"{group}/{node.attr}"
+    for scope in ast.walk(tree):
+        if isinstance(scope, ast.FunctionDef | ast.Module):
+            held = _held(scope)
+            for node in ast.walk(scope):
+                if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
+                    yield from (f"{group}/{node.attr}" for group in _groups(node.value, held))
+
+
+def _groups(node: ast.expr, held: dict[str, set[str]]) -> set[str]:
+    if isinstance(node, ast.Name):
+        return held.get(node.id, set())
+    group = _group(node)
+    return set() if group is None else {group}
+
+
+def _held(scope: ast.FunctionDef | ast.Module) -> dict[str, set[str]]:
+    """Variables of a function that hold a group: assigned, or arguments that are annotated as either of two."""
+    found: dict[str, set[str]] = {}
+    if isinstance(scope, ast.FunctionDef):
+        for argument in scope.args.args:
+            if isinstance(argument.annotation, ast.Name) and argument.annotation.id == "Wanted":
+                found[argument.arg] = {"Kp", "Vis"}
+        for node in ast.walk(scope):
+            if isinstance(node, ast.Assign):
+                for target, value in _pairs(node):
+                    group = _group(value)
+                    if isinstance(target, ast.Name) and group is not None:
+                        found[target.id] = {group}
+    return found
 
 
 def _pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr]]:

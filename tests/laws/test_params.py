@@ -19,6 +19,8 @@ FAR = 10**6
 
 def values(entry: ParamSpec) -> st.SearchStrategy[Value]:
     """Valid values of a parameter."""
+    if entry.choices:
+        return st.sampled_from(entry.choices)
     low = -FAR if entry.minimum is None else entry.minimum
     high = max(low, FAR) if entry.maximum is None else entry.maximum
     if entry.type == "bool":

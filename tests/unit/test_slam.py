@@ -331,7 +331,7 @@ def extremes(entry: ParamSpec) -> list[Value]:
     if isinstance(entry.default, bool):
         return [not entry.default]
     if isinstance(entry.default, str):
-        return list(entry.choices)
+        return ["0.4 0.5 0.45 0.5"] if entry.name.endswith("RoiRatios") else list(entry.choices)
     far = max(10, 10 * entry.default)
     bounds = (-far if entry.minimum is None else entry.minimum, far if entry.maximum is None else entry.maximum)
     return [type(entry.default)(bound) for bound in bounds]

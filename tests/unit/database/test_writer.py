@@ -51,6 +51,23 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
         assert_same_node(reader, expected)
 
 
+def test_float_descriptors_come_back_as_floats(tmp_path: Path) -> None:
+    path = tmp_path / "map.db"
+    made = record(1)
+    numbers = np.random.default_rng(0).normal(size=(40, 64)).astype(np.float32)
+    node = replace(made.node, features=replace(made.node.features, descriptors=numbers))
+    with MapWriter.create(path, Params(), seed=0, source="made up") as writer:
+        writer.add_node(replace(made, node=node, words=WordRows(made.words.ids, numbers[:10])))
+        assert_same_node(MapReader(path), replace(made, node=node))
+        words = MapReader(path).words()
+    assert words.descriptors.dtype == np.float32
+    np.testing.assert_array_equal(words.descriptors, numbers[:10])
+    with closing(sqlite3.connect(path)) as file:
+        sizes = file.execute("SELECT DISTINCT descriptor_size, length(descriptor) FROM Feature").fetchall()
+        assert sizes == file.execute("SELECT DISTINCT descriptor_size, length(descriptor) FROM Word").fetchall()
+    assert sizes == [(64, 256)], "RTAB-Map tells floats by four bytes for each of descriptor_size"
+
+
 def test_png_images_are_lossless(tmp_path: Path) -> None:
     params = Params().changed({"Mem/ImageCompressionFormat": ".png", "Mem/DepthCompressionFormat": ".png"})
     reader = MapReader(write_map(tmp_path / "map.db", 1, params))

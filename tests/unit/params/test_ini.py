@@ -21,7 +21,7 @@ Version=0.23.8
 Rtabmap\LoopThr=0.15
 Rtabmap/TimeThr = 700
 Mem\RehearsalSimilarity="0.45"
-SURF\HessianThreshold=500
+SURF\Upright=500
 RGBD\OptimizeFromGraphEnd=true
 Rtabmap\WorkingDirectory=
 
@@ -44,7 +44,7 @@ def test_a_file_of_rtabmap_is_read(tmp_path: Path) -> None:
         "Mem/RehearsalSimilarity": "0.45",
         "RGBD/OptimizeFromGraphEnd": "true",
     }
-    assert found.unused == {"SURF/HessianThreshold": "500", "Rtabmap/WorkingDirectory": ""}
+    assert found.unused == {"SURF/Upright": "500", "Rtabmap/WorkingDirectory": ""}
     params = Params().changed(found.values)
     assert (params.Rtabmap.LoopThr, params.Rtabmap.TimeThr) == (0.15, 700.0)
     assert params.RGBD.OptimizeFromGraphEnd is True
@@ -91,5 +91,5 @@ def test_every_name_of_rtabmap_is_either_used_or_known(shared_data: Path) -> Non
 
 
 def test_slamdeck_has_no_names_of_its_own() -> None:
-    assert known_unused("SURF/HessianThreshold")
+    assert known_unused("SURF/Upright")
     assert not any(known_unused(spec.name) for spec in specs())

@@ -150,6 +150,9 @@ def test_a_run_prints_one_object_and_the_same_twice(tmp_path: Path) -> None:
         (("ruin",), "ruin"),
         (("run", "tour:", "--db", "m.db", "--param", "Mem/ImageCompressionFormat=.bmp"), "'.jpg' or '.png'"),
         (("run", "tour:", "--db", "m.db", "--param", "Bayes/PredictionLC=0.1"), "two or more numbers"),
+        (("run", "tour:", "--db", "m.db", "--param", "Vis/FeatureType=15"), "8 GFTT/ORB"),
+        (("run", "tour:", "--db", "m.db", "--param", "Vis/FeatureType=100"), "ALIKED/ModelPath"),
+        (("run", "tour:", "--db", "m.db", "--param", "Kp/IncrementalDictionary=false"), "Kp/DictionaryPath"),
     ],
 )
 def test_what_is_refused_is_one_line_that_says_what_would_be_right(
@@ -164,10 +167,10 @@ def test_what_is_refused_is_one_line_that_says_what_would_be_right(
 
 def test_parameters_that_only_rtabmap_has_are_named_and_not_refused(tmp_path: Path) -> None:
     config = tmp_path / "rtabmap.ini"
-    config.write_text("[Core]\nRtabmap\\DetectionRate=0\nSURF\\HessianThreshold=500\n")
+    config.write_text("[Core]\nRtabmap\\DetectionRate=0\nSURF\\Upright=false\n")
     done = slamdeck("run", TINY, "--db", tmp_path / "m.db", "--config", config, "--param", "Odom/Holonomic=true")
     assert done.returncode == 0, done.stderr
-    assert "SURF/HessianThreshold" in done.stderr and "Odom/Holonomic" in done.stderr
+    assert "SURF/Upright" in done.stderr and "Odom/Holonomic" in done.stderr
 
 
 @pytest.mark.skipif(shutil.which("bash") is None or not Path("/dev/full").exists(), reason="needs /dev/full")
