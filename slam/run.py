@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from slam.evaluate import absolute_error
+from slam.accuracy import frames_ate_m
 from slam.sensors import Source
 from slam.slam import Slam
-from slam.trajectory import assemble
 from slam.types import LinkType, Update
 
 OnUpdate = Callable[[Update], None]
@@ -77,11 +76,7 @@ def run(source: Source, slam: Slam, on_update: OnUpdate) -> Tally:
 
 def ate_rmse_m(slam: Slam) -> float | None:
     """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""
-    path = assemble(slam.frames, slam.graph.poses)
-    known = np.isfinite(path.T_world_base[:, 0, 3])
-    if known.sum() < 3:
-        return None
-    return absolute_error(path.T_world_base[known], path.T_map_base[known]).rmse_m
+    return frames_ate_m(slam.frames, slam.graph.poses, slam.graph.links)
 
 
 def peak_rss_mb() -> float:

@@ -17,6 +17,7 @@ from slam.loop.detector import Belief, LoopDetector
 from slam.maps.grid_layer import GridLayer
 from slam.memory.long_term import DatabaseMemory, RamMemory
 from slam.memory.memory import Memory
+from slam.memory.past import Past
 from slam.memory.rehearsal import Rehearsal, moved, rehearse
 from slam.memory.retrieval import choose_retrieval
 from slam.memory.transfer import choose_transfer
@@ -39,24 +40,36 @@ class Slam:
         frames: every frame so far; each hangs on a node.
     """
 
-    def __init__(self, params: Params, writer: MapWriter | None = None, *, seed: int = 0, source: str = "") -> None:
-        """An engine on an empty map.
+    def __init__(
+        self,
+        params: Params,
+        writer: MapWriter | None = None,
+        *,
+        seed: int = 0,
+        source: str = "",
+        past: Past | None = None,
+    ) -> None:
+        """An engine on an empty map, or on what earlier sessions left.
 
         Args:
             params: to start with.
-            writer: of a new map file with its first session begun; without one nothing is stored.
+            writer: of a map file with this session begun; without one nothing is stored.
             seed: of everything random.
             source: what the frames come from, for the sessions that odometry begins anew.
+            past: the earlier sessions of that file; until a loop joins it, the new one is a graph of its own.
         """
         self.params = params
-        self.graph = PoseGraph()
-        self.memory = Memory(RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path)), seed=seed)
-        self.frames: list[TrackedFrame] = []
+        long_term = RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path))
+        self.graph = PoseGraph() if past is None else past.graph
+        self.memory = Memory(long_term, seed=seed) if past is None else past.memory
+        self.frames: list[TrackedFrame] = [] if past is None else past.frames
+        self._newest_id = 0 if past is None else past.last_id
+        self._map_id = 0 if writer is None else writer.map_id
         self._writer = writer
         self._seed, self._source = seed, source
         self._odometry = FrameToMap()
         self._loops = LoopDetector()
-        self._grid = GridLayer(params)
+        self._grid = GridLayer(params, None if past is None else past.reader.local_grid)
         self._unwritten: list[TrackedFrame] = []
         self._weights: dict[int, int] = {}
         self._covariance = np.zeros((6, 6))
@@ -87,7 +100,7 @@ class Slam:
         self.params = params
         if self._writer is not None:
             for name in changes:
-                self._writer.parameter_change(0 if self._last is None else self._last.id, name, params.get(name))
+                self._writer.parameter_change(self._newest_id, name, params.get(name))
         return params
 
     def poses_changed(self) -> None:
@@ -122,6 +135,7 @@ class Slam:
             if self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, rehearsal)
             neighbor = self._insert(node)
+            self._last, self._covariance = node, np.zeros((6, 6))
             self._hang(frame, odometry)
         belief = self._loops.recognize(node, self.memory, self.graph, self.params, clock)
         with clock.stage("Timing/Reactivation/ms"):
@@ -133,6 +147,7 @@ class Slam:
         with clock.stage("TimingMem/Occupancy_grid/ms"):
             grid = self._grid.add(node.id, frame, self.graph.poses, self.params)
             if closed.optimized:
+                self._grid.join(self.graph, closed.links, self.params)
                 self._grid.move(self.graph.poses)
         with clock.stage("Timing/Forgetting/ms"):
             transferred = self._transfer(belief, retrieved, clock.elapsed_ms)
@@ -152,7 +167,6 @@ class Slam:
             time_ms=clock.elapsed_ms,
         )
         self._write(frame, update, (*neighbor, *closed.links), words, grid)
-        self._last, self._covariance = node, np.zeros((6, 6))
         return replace(update, time_ms=clock.elapsed_ms)
 
     def _due(self, frame: Frame, odometry: Odometry) -> bool:
@@ -180,16 +194,15 @@ class Slam:
         return np.asarray(self.graph.correction @ odometry.T_odom_base)
 
     def _hang(self, frame: Frame, odometry: Odometry) -> None:
-        """Adds a frame to the trajectory, relative to the newest node."""
-        newest = None if not len(self.graph) else self.graph.newest
-        T_node_base = None
+        """Adds a frame to the trajectory, relative to the newest node of its session."""
+        newest, T_node_base = self._last, None
         if odometry.T_odom_base is not None and newest is not None:
-            T_node_base = between(self.graph.T_odom[newest], odometry.T_odom_base)
+            T_node_base = between(newest.T_odom_base, odometry.T_odom_base)
         lost = "" if odometry.lost is None else odometry.lost.text
         tracked = TrackedFrame(
             index=frame.index,
             stamp=frame.stamp,
-            node_id=newest or 0,
+            node_id=0 if newest is None else newest.id,
             T_node_base=T_node_base,
             T_world_base=frame.T_world_base,
             inliers=odometry.inliers,
@@ -202,10 +215,9 @@ class Slam:
     def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
         assert odometry.T_odom_base is not None
         word_ids, words = self.memory.quantize(odometry.features, self.params)
-        map_id = 0 if self._last is None else self._last.map_id + int(self._restarted())
         node = Node(
-            id=1 if self._last is None else self._last.id + 1,
-            map_id=map_id,
+            id=self._newest_id + 1,
+            map_id=self._map_id + int(self._last is not None and self._restarted()),
             weight=0,
             stamp=frame.stamp,
             T_odom_base=odometry.T_odom_base,
@@ -230,6 +242,7 @@ class Slam:
         T_map_odom = np.eye(4) if last is None else self.graph.correction
         self.graph.add_node(node.id, node.map_id, node.T_odom_base, T_map_odom @ node.T_odom_base)
         self.memory.add(node, self.params)
+        self._newest_id, self._map_id = node.id, node.map_id
         if started and self._writer is not None:
             self._writer.start_session(self.params, seed=self._seed, source=self._source)
         if last is None or started:

@@ -1,4 +1,4 @@
-"""An engine on a new map file, closed in order whatever happens."""
+"""An engine on a map file, closed in order whatever happens."""
 
 from __future__ import annotations
 
@@ -6,31 +6,57 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from slam.database import MapWriter
+from slam.database import MapReader, MapWriter
 from slam.database.lock import MapLock
 from slam.errors import DatabaseError
+from slam.memory.past import recall
 from slam.params import Params
 from slam.slam import Slam
 
 
 @contextmanager
-def engine_on_new_map(
-    path: Path, params: Params, *, seed: int, source: str, overwrite: bool
+def engine_on_map(
+    path: Path, params: Params, *, seed: int, source: str, overwrite: bool = False, append: bool = False
 ) -> Iterator[tuple[Slam, MapWriter]]:
-    """An engine that writes a new map, and the writer; afterwards the session is ended and the file is one plain file.
+    """An engine that writes a map, and the writer; afterwards the session is ended and the file is one plain file.
+
+    Args:
+        path: of the map file.
+        params: to start with.
+        seed: of everything random.
+        source: what the frames come from.
+        overwrite: make a new file in the place of one that is there.
+        append: go on with a file that is there, as a new session of it.
 
     Raises:
         DatabaseError: the file exists and may not be replaced, is no map, or can't be made.
         MapBusyError: somebody writes it.
     """
-    if overwrite and path.exists():
-        _remove(path)
-    with MapWriter.create(path, params, seed=seed, source=source) as writer:
-        slam = Slam(params, writer, seed=seed, source=source)
+    if append and path.exists():
+        opening = _engine_on_old_map(path, params, seed, source)
+    else:
+        if overwrite and path.exists():
+            _remove(path)
+        writer = MapWriter.create(path, params, seed=seed, source=source)
+        opening = Slam(params, writer, seed=seed, source=source), writer
+    slam, writer = opening
+    with writer:
         try:
             yield slam, writer
         finally:
             slam.close()
+
+
+def _engine_on_old_map(path: Path, params: Params, seed: int, source: str) -> tuple[Slam, MapWriter]:
+    writer = MapWriter.open(path)
+    try:
+        # Read before the session begins: a map that can't be gone on with stays as it is.
+        past = recall(MapReader(path), params, seed=seed)
+        writer.start_session(params, seed=seed, source=source)
+    except BaseException:
+        writer.close()
+        raise
+    return Slam(params, writer, seed=seed, source=source, past=past), writer
 
 
 def _remove(path: Path) -> None:

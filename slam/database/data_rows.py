@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, insert, select
+from sqlalchemy import Column, Connection, func, insert, select
 
 from slam.camera import Camera
 from slam.database.blobs import pack_row, unpack_matrix
@@ -75,6 +75,18 @@ def read_depth(connection: Connection, node_id: int) -> bytes:
 def read_cameras(connection: Connection, node_id: int) -> tuple[Camera, ...]:
     """The cameras of a node; DatabaseError when the node has none."""
     return unpack_cameras(_present(_blob(connection, node_id, data.c.calibration), node_id, "calibration"))
+
+
+def read_first_cameras(connection: Connection) -> dict[int, Camera]:
+    """Node id -> its first camera, of all nodes that have one; equal ones are one object."""
+    query = select(data.c.id, data.c.calibration).where(func.length(data.c.calibration) > _NOTHING)
+    made: dict[bytes, Camera] = {}
+    found = {}
+    for node_id, blob in connection.execute(query.order_by(data.c.id)):
+        if blob not in made:
+            made[blob] = unpack_cameras(blob)[0]
+        found[node_id] = made[blob]
+    return found
 
 
 def read_local_grid(connection: Connection, node_id: int) -> LocalGrid | None:

@@ -24,7 +24,7 @@ from slam.database.schema import has_deck_tables
 from slam.database.session_rows import read_sessions
 from slam.database.tables import data
 from slam.database.time_enter import read_memory_ids
-from slam.database.word_rows import read_words
+from slam.database.word_rows import read_last_word_id, read_words
 from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.types import Features, Link, LocalGrid, OccupancyGrid
@@ -120,6 +120,11 @@ class MapReader(DeckReader):
         with self._reading(f"reading the calibration of node {node_id}") as connection:
             return data_rows.read_cameras(connection, node_id)
 
+    def first_cameras(self) -> dict[int, Camera]:
+        """The first camera of each node that has one."""
+        with self._reading("reading the calibrations") as connection:
+            return data_rows.read_first_cameras(connection)
+
     def features(self, node_id: int) -> tuple[Features, NDArray[np.int32]]:
         """Key points of a node, in the order they were written, and their word ids (N,)."""
         with self._reading(f"reading the key points of node {node_id}") as connection:
@@ -129,6 +134,11 @@ class MapReader(DeckReader):
         """The whole dictionary, or those of these words that it has; ascending by id."""
         with self._reading("reading the dictionary") as connection:
             return read_words(connection, ids)
+
+    def last_word_id(self) -> int:
+        """The largest id of a word, 0 when there is none."""
+        with self._reading("reading the dictionary") as connection:
+            return read_last_word_id(connection)
 
     def local_grid(self, node_id: int) -> LocalGrid | None:
         """The local grid of a node; None when it has none."""

@@ -11,14 +11,15 @@ from slam.features.hamming import pack
 from slam.features.word_index import WordIndex
 from slam.params import Params
 
-_WORDS_PER_DESCRIPTOR = 4
+#: Length of a descriptor.
+WORD_BYTES = 32
 
 
 class Dictionary:
     """Words in RAM with the number of nodes that use each; words no node uses are let go."""
 
     def __init__(self, *, seed: int) -> None:
-        self._index = WordIndex(_WORDS_PER_DESCRIPTOR, seed=seed)
+        self._index = WordIndex(WORD_BYTES // 8, seed=seed)
         self._ids = np.zeros(0, np.int32)
         self._rows: dict[int, int] = {}
         self._uses: dict[int, int] = {}
@@ -74,6 +75,15 @@ class Dictionary:
         self._register(ids[missing][unknown], before)
         self._next_id = max(self._next_id, int(ids.max()) + 1)
         return renamed
+
+    def load(self, ids: NDArray[np.int32], descriptors: NDArray[np.uint8], next_id: int) -> None:
+        """Takes in the words of a map file (N,), (N, 32) under their own ids, into an empty dictionary.
+
+        ``next_id`` is the first id that no word of the file has, in RAM or not.
+        """
+        self._index.append(pack(descriptors))
+        self._register(ids, 0)
+        self._next_id = next_id
 
     def use(self, ids: Iterable[int]) -> None:
         """One more node has these words."""

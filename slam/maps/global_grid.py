@@ -55,6 +55,12 @@ class GlobalGrid:
         else:
             self._touch(node_id)
 
+    def add_all(self, grids: Mapping[int, tuple[LocalGrid, Pose]]) -> None:
+        """Take in many local grids at once: id -> grid and ``T_map_base``."""
+        self._placed |= {i: _Placed(local, _planar(T), _reach(local)) for i, (local, T) in grids.items()}
+        if grids:
+            self._rebuild()
+
     def move(self, poses: Mapping[int, Pose]) -> bool:
         """Follow the optimised poses (id -> ``T_map_base``); nodes without one leave.
 

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from slam.geometry import Pose
+from slam.graph.graph import PoseGraph
 from slam.maps.global_grid import GlobalGrid
 from slam.maps.local_grid import level, make_local_grid
 from slam.params import Params
-from slam.types import Frame, LocalGrid, OccupancyGrid
+from slam.types import Frame, Link, LocalGrid, OccupancyGrid
+
+#: The local grid of a node of the map file, None where it has none.
+LoadGrid = Callable[[int], LocalGrid | None]
 
 
 class GridLayer:
     """Makes the local grids and keeps the global one at the optimised poses."""
 
-    def __init__(self, params: Params) -> None:
+    def __init__(self, params: Params, stored: LoadGrid | None = None) -> None:
+        """An empty grid; ``stored`` gives the local grids of nodes of earlier sessions, once a loop joins them."""
         self._global = GlobalGrid(params)
+        self._stored = stored
+        self._known: set[int] = set()
 
     def add(self, node_id: int, frame: Frame, poses: Mapping[int, Pose], params: Params) -> LocalGrid | None:
         """The local grid of a node, taken into the global one; None when grids are switched off."""
@@ -23,8 +30,20 @@ class GridLayer:
             return None
         self._global.params = params
         local = make_local_grid(frame.depth_m, frame.camera, level(poses[node_id]), params)
+        self._known.add(node_id)
         self._global.add(node_id, local, poses[node_id])
         return local
+
+    def join(self, graph: PoseGraph, links: Iterable[Link], params: Params) -> None:
+        """Takes in the stored grids of the earlier sessions that these links joined with the one that runs."""
+        if self._stored is None or not params.RGBD.CreateOccupancyGrid:
+            return
+        for link in links:
+            if link.to_id not in self._known:
+                joined = sorted(graph.component(link.to_id) - self._known)
+                self._known.update(joined)
+                grids = ((node_id, self._stored(node_id)) for node_id in joined)
+                self._global.add_all({i: (grid, graph.poses[i]) for i, grid in grids if grid is not None})
 
     def move(self, poses: Mapping[int, Pose]) -> None:
         """Follows the optimised poses."""

@@ -55,6 +55,11 @@ class MemGroup(Group):
         0.6, "Share of common words from which a new node merges with the last one; 1 is off.", ge=0, le=1
     )
     RecentWmRatio: float = param(0.2, "Newest share of working memory that never goes to long-term memory.", ge=0, le=1)
+    InitWMWithAllNodes: bool = param(
+        False,
+        "A session that goes on with a map begins with all nodes in working memory, not only those left in RAM.",
+        effect=_SESSION,
+    )
     TransferSortingByWeightId: bool = param(False, "Transfer by weight and id, whatever the time in memory.")
     ImageCompressionFormat: Literal[".jpg", ".png"] = param(".jpg", "Format of stored colour images: .jpg or .png.")
     DepthCompressionFormat: Literal[".rvl", ".png"] = param(".rvl", "Format of stored depth images: .rvl or .png.")
