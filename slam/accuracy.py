@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.evaluate import absolute_error
+from slam.evaluate import absolute_error, align
 from slam.geometry import Pose
 from slam.graph.components import components
 from slam.trajectory import assemble
@@ -53,3 +53,23 @@ def pooled_ate_m(
             error = absolute_error(T_world_base[rows], T_map_base[rows])
             squares, count = squares + error.pairs * error.rmse_m**2, count + error.pairs
     return float(np.sqrt(squares / count)) if count else None
+
+
+def map_error_m(
+    frames: Sequence[TrackedFrame], poses: Mapping[int, Pose], truth: Mapping[int, NDArray[np.float64]]
+) -> float | None:
+    """RMSE in metres of localised frames, in the frame that the map itself defines; None without ground truth.
+
+    Args:
+        frames: of the session that localised.
+        poses: id -> ``T_map_base`` of the map's nodes.
+        truth: id -> ``T_world_base`` of them, NaN where unknown.
+    """
+    known = [i for i in sorted(poses) if i in truth and np.isfinite(truth[i][0, 3])]
+    path = assemble(frames, poses)
+    rows = np.isfinite(path.T_world_base[:, 0, 3])
+    if len(known) < _LEAST or not rows.any():
+        return None
+    T_world_map = align(np.array([truth[i][:3, 3] for i in known]), np.array([poses[i][:3, 3] for i in known]))
+    found = path.T_map_base[rows, :3, 3] @ T_world_map[:3, :3].T + T_world_map[:3, 3]
+    return float(np.sqrt(np.mean(np.sum((found - path.T_world_base[rows, :3, 3]) ** 2, axis=1))))

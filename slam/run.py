@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from slam.accuracy import frames_ate_m
 from slam.sensors import Source
 from slam.slam import Slam
 from slam.types import LinkType, Update
@@ -39,7 +38,7 @@ class Tally:
         """Takes in one update."""
         self._odometry_ms.append(update.odometry.time_ms)
         self.lost_frames += update.T_map_base is None
-        if update.node is not None:
+        if update.time_ms:
             self._update_ms.append(update.time_ms)
         for candidate in update.candidates:
             kind = "global" if candidate.type is LinkType.GLOBAL_CLOSURE else "proximity"
@@ -61,6 +60,17 @@ class Tally:
             "peak_rss_mb": round(peak_rss_mb(), 1),
             "db_mb": None if path is None else round(path.stat().st_size / 1e6, 3),
             "seed": seed,
+            **({"localization": self._localization(slam)} if not slam.params.Mem.IncrementalMemory else {}),
+        }
+
+    def _localization(self, slam: Slam) -> dict[str, Any]:
+        """How many frames were localised, from which on, and how long it took to be localised again, in frames."""
+        known = [frame.T_node_base is not None for frame in slam.frames]
+        gaps = "".join("x" if one else "." for one in known).split("x")
+        return {
+            "localized_frames": sum(known),
+            "first_localized_frame": known.index(True) if any(known) else None,
+            "longest_gap_frames": max((len(gap) for gap in gaps), default=0),
         }
 
 
@@ -76,7 +86,7 @@ def run(source: Source, slam: Slam, on_update: OnUpdate) -> Tally:
 
 def ate_rmse_m(slam: Slam) -> float | None:
     """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""
-    return frames_ate_m(slam.frames, slam.graph.poses, slam.graph.links)
+    return slam.ate_m()
 
 
 def peak_rss_mb() -> float:

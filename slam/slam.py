@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from slam.accuracy import frames_ate_m
 from slam.clock import StageClock
 from slam.database import MapReader, MapWriter, NodeRecord, WordRows
 from slam.errors import ParameterError
@@ -84,7 +86,7 @@ class Slam:
         self._collect(odometry)
         if not self._due(frame, odometry):
             self._hang(frame, odometry)
-            return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
+            return self._between_updates(frame, odometry)
         return self._update(frame, odometry)
 
     def set_params(self, changes: Mapping[str, Value]) -> Params:
@@ -108,6 +110,10 @@ class Slam:
         self._grid.move(self.graph.poses)
         if self._writer is not None:
             self._writer.save_grid(self._grid.occupancy())
+
+    def ate_m(self) -> float | None:
+        """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""
+        return frames_ate_m(self.frames, self.graph.poses, self.graph.links)
 
     def close(self) -> None:
         """Ends the session in order: all that is tracked is stored, the file is one plain file again."""
@@ -188,6 +194,9 @@ class Slam:
         if odometry.T_odom_base is not None and odometry.covariance[0, 0] > self._covariance[0, 0]:
             self._covariance = odometry.covariance
 
+    def _between_updates(self, frame: Frame, odometry: Odometry) -> Update:
+        return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
+
     def _in_map(self, odometry: Odometry) -> Pose | None:
         if odometry.T_odom_base is None or self._last is None:
             return odometry.T_odom_base
@@ -199,15 +208,27 @@ class Slam:
         if odometry.T_odom_base is not None and newest is not None:
             T_node_base = between(newest.T_odom_base, odometry.T_odom_base)
         lost = "" if odometry.lost is None else odometry.lost.text
+        self._track(frame, odometry, 0 if newest is None else newest.id, T_node_base, lost)
+
+    def _track(
+        self,
+        frame: Frame,
+        odometry: Odometry,
+        node_id: int,
+        T_node_base: Pose | None,
+        lost: str,
+        covariance: NDArray[np.float64] | None = None,
+    ) -> None:
         tracked = TrackedFrame(
             index=frame.index,
             stamp=frame.stamp,
-            node_id=0 if newest is None else newest.id,
+            node_id=node_id,
             T_node_base=T_node_base,
             T_world_base=frame.T_world_base,
             inliers=odometry.inliers,
             odometry_ms=odometry.time_ms,
             lost=lost,
+            covariance=covariance,
         )
         self.frames.append(tracked)
         self._unwritten.append(tracked)
@@ -234,7 +255,7 @@ class Slam:
         if rehearsal is not None:
             self._set_weight(rehearsal.node_id, rehearsal.weight)
         self._hang(frame, odometry)
-        return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
+        return self._between_updates(frame, odometry)
 
     def _insert(self, node: Node) -> tuple[Link, ...]:
         """Puts a node into graph and STM; returns its link to the node before it in the same session."""

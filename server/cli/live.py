@@ -40,7 +40,7 @@ def run_live(
     from slam.sensors import open_source
 
     open_source(source)
-    check_target(path, overwrite=overwrite, append=append)
+    check_target(path, values, overwrite=overwrite, append=append)
 
     def told(event: Event) -> None:
         if isinstance(event, Ended) and event.error is not None:
@@ -52,8 +52,13 @@ def run_live(
     serve_maps(settings, FirstRun(path.name.removesuffix(".db"), job, told), note)
 
 
-def check_target(path: Path, *, overwrite: bool, append: bool = False) -> None:
+def check_target(path: Path, values: Mapping[str, Value], *, overwrite: bool, append: bool = False) -> None:
     """Raises DatabaseError where no new map can be made and none is to be gone on with."""
+    from slam.params import Params
+
+    if not Params().changed(values).Mem.IncrementalMemory:
+        _check_map_to_localize_in(path, overwrite=overwrite)
+        return
     if overwrite and append:
         raise DatabaseError(f"{path} is either replaced (--overwrite) or gone on with (--append), not both")
     if path.suffix != ".db":
@@ -65,3 +70,10 @@ def check_target(path: Path, *, overwrite: bool, append: bool = False) -> None:
             f"{path} exists already: choose another name, replace it with --overwrite, "
             "or add a session to it with --append"
         )
+
+
+def _check_map_to_localize_in(path: Path, *, overwrite: bool) -> None:
+    if overwrite:
+        raise DatabaseError(f"{path} can't be replaced and localised in: leave --overwrite out")
+    if not path.is_file():
+        raise DatabaseError(f"{path} does not exist: to localise, name the file of a map that was made before")

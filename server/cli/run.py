@@ -36,6 +36,9 @@ def run(
     append: Annotated[
         bool, typer.Option("--append", help="Add a session to a map file that is there; loops join it.")
     ] = False,
+    localize: Annotated[
+        bool, typer.Option("--localize", help="Localise in a map file that is there; as Mem/IncrementalMemory=false.")
+    ] = False,
     serve: Annotated[bool, typer.Option("--serve", help="Watch it in the browser.")] = False,
     speed: Annotated[
         float, typer.Option(min=0, max=100, help="With --serve: times real time; 0 is as fast as possible.")
@@ -46,9 +49,11 @@ def run(
     no_token: NoTokenOption = False,
     name: NameOption = None,
 ) -> None:
-    """Map a sequence into a file, with a summary at the end."""
-    check_target(db, overwrite=overwrite, append=append)
+    """Map a sequence into a file, or localise in one, with a summary at the end."""
     values = parameters(config, param)
+    if localize:
+        values["Mem/IncrementalMemory"] = False
+    check_target(db, values, overwrite=overwrite, append=append)
 
     def show(summary: Mapping[str, Any]) -> None:
         show_summary(summary, db, as_json=json)

@@ -9,6 +9,7 @@ from pathlib import Path
 from slam.database import MapReader, MapWriter
 from slam.database.lock import MapLock
 from slam.errors import DatabaseError
+from slam.localization import Localization
 from slam.memory.past import recall
 from slam.params import Params
 from slam.slam import Slam
@@ -17,8 +18,11 @@ from slam.slam import Slam
 @contextmanager
 def engine_on_map(
     path: Path, params: Params, *, seed: int, source: str, overwrite: bool = False, append: bool = False
-) -> Iterator[tuple[Slam, MapWriter]]:
-    """An engine that writes a map, and the writer; afterwards the session is ended and the file is one plain file.
+) -> Iterator[tuple[Slam, MapWriter | None]]:
+    """An engine on a map file, and the writer; afterwards the session is ended and the file is one plain file.
+
+    With ``Mem/IncrementalMemory`` false it localises in a map that is there; with ``Mem/LocalizationReadOnly`` too
+    there is no writer.
 
     Args:
         path: of the map file.
@@ -32,7 +36,10 @@ def engine_on_map(
         DatabaseError: the file exists and may not be replaced, is no map, or can't be made.
         MapBusyError: somebody writes it.
     """
-    if append and path.exists():
+    if not params.Mem.IncrementalMemory and params.Mem.LocalizationReadOnly:
+        yield Localization(params, recall(MapReader(path), params, seed=seed), seed=seed, source=source), None
+        return
+    if not params.Mem.IncrementalMemory or (append and path.exists()):
         opening = _engine_on_old_map(path, params, seed, source)
     else:
         if overwrite and path.exists():
@@ -56,7 +63,9 @@ def _engine_on_old_map(path: Path, params: Params, seed: int, source: str) -> tu
     except BaseException:
         writer.close()
         raise
-    return Slam(params, writer, seed=seed, source=source, past=past), writer
+    if params.Mem.IncrementalMemory:
+        return Slam(params, writer, seed=seed, source=source, past=past), writer
+    return Localization(params, past, writer, seed=seed, source=source), writer
 
 
 def _remove(path: Path) -> None:

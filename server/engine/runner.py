@@ -50,6 +50,8 @@ class Runner:
             job.path, params, seed=job.seed, source=source.name, overwrite=job.overwrite, append=job.append
         )
         with opening as (slam, writer):
+            if writer is None:
+                raise ParameterError("Mem/LocalizationReadOnly=true: decisions need a file that may be written")
             self._review = self._make_review(slam, writer)
             self._channel.send(Started(source.name, None if source.live else len(source), dict(params.items())))
             for frame in source:

@@ -63,6 +63,11 @@ def read_poses(connection: Connection) -> dict[int, Pose]:
     return {int(node_id): T_map_base for node_id, T_map_base in pairs if not np.isnan(T_map_base[0, 0])}
 
 
+def write_last(connection: Connection, T_map_base: Pose) -> None:
+    """Replace the pose at which the robot was last."""
+    connection.execute(update(admin).values(opt_last_localization=pack_transform(T_map_base)))
+
+
 def read_last(connection: Connection) -> Pose | None:
     """Where the robot was last, T_map_base; None when it is not stored."""
     return unpack_transform(connection.scalar(select(admin.c.opt_last_localization)))

@@ -130,6 +130,11 @@ class MapWriter:
         with self._transaction("saving poses") as connection:
             admin_rows.write_poses(connection, poses_map_base, last)
 
+    def save_last_pose(self, T_map_base: Pose) -> None:
+        """Replace the pose at which the robot was last."""
+        with self._transaction("saving the last pose") as connection:
+            admin_rows.write_last(connection, T_map_base)
+
     def save_grid(self, grid: OccupancyGrid | None) -> None:
         """Replace the global grid; None removes it."""
         with self._transaction("saving the grid") as connection:

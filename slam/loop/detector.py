@@ -46,8 +46,10 @@ class LoopDetector:
         self._bayes = BayesFilter()
         self._appearance = AppearanceLoops()
 
-    def recognize(self, node: Node, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock) -> Belief:
-        """Belief over working memory after seeing a node."""
+    def recognize(
+        self, node: Node, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock, *, home: int = 0
+    ) -> Belief:
+        """Belief over working memory after seeing a node; ``home`` is a node of the graph that it is known to be in."""
         bag = memory.bags[node.id]
         usual = float(np.mean([len(b.words) for b in memory.bags.values()]))
         if len(bag.words) < params.Kp.BadSignRatio * usual:
@@ -59,16 +61,24 @@ class LoopDetector:
             likelihood, virtual = adjust(scores, params)
         with clock.stage("Timing/Posterior_computation/ms"):
             posterior = self._bayes.update(places, likelihood, virtual, graph, params)
-        connected = posterior.best_id == 0 or posterior.best_id in graph.component(node.id)
+        connected = posterior.best_id == 0 or posterior.best_id in graph.component(home or node.id)
         refusal = self._appearance.hypothesis(posterior, connected=connected, params=params)
         if refusal is not None:
             return Belief(posterior, refused=refusal.text)
         return Belief(posterior, place=posterior.best_id)
 
     def candidates(
-        self, node: Node, belief: Belief, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock
+        self,
+        node: Node,
+        belief: Belief,
+        memory: Memory,
+        graph: PoseGraph,
+        params: Params,
+        clock: StageClock,
+        *,
+        home: int = 0,
     ) -> list[Candidate]:
-        """Registers the node with the place believed in and with what is near by."""
+        """Registers the node with the place believed in and with what is near by, on paths that lead to ``home``."""
         found: list[Candidate] = []
         with clock.stage("Timing/Hypotheses_validation/ms"):
             # Odometry has joined them already when the last node is in working memory (Mem/STMSize 1).
@@ -79,7 +89,7 @@ class LoopDetector:
         if not params.RGBD.ProximityBySpace:
             return found
         with clock.stage("Timing/Proximity_by_space/ms"):
-            for place in nearby(node.id, memory.wm, graph, belief.likelihood, params):
+            for place in nearby(node.id, memory.wm, graph, belief.likelihood, params, home=home):
                 if place != belief.place:
                     old = memory.nodes[place]
                     found.append(verify(node, old, LinkType.LOCAL_SPACE_CLOSURE, float("nan"), params))

@@ -66,6 +66,13 @@ class Memory:
         while len(self.stm) > params.Mem.STMSize:
             self._enter_wm(self.stm.popleft())
 
+    def dismiss(self, node_id: int) -> None:
+        """Lets a node of STM go for good, with the words that it alone had."""
+        self.stm.remove(node_id)
+        del self.nodes[node_id], self.weights[node_id]
+        self.dictionary.release(self.bags.pop(node_id).words.tolist())
+        self._moved.pop(node_id, None)
+
     def transfer(self, ids: Iterable[int]) -> None:
         """Moves nodes from WM to LTM: features and unused words leave RAM."""
         for node_id in ids:

@@ -50,6 +50,13 @@ class RtabmapGroup(Group):
 class MemGroup(Group):
     """Short-term, working and long-term memory."""
 
+    IncrementalMemory: bool = param(
+        True, "Map; false localises in a map that is there and leaves it as it is.", effect=_SESSION
+    )
+    LocalizationDataSaved: bool = param(
+        False, "Store what was seen while localising, as nodes that are no part of the map.", effect=_SESSION
+    )
+    LocalizationReadOnly: bool = param(False, "Localise without changing one byte of the map file.", effect=_SESSION)
     STMSize: int = param(10, "Nodes in short-term memory.", unit="nodes", ge=1)
     RehearsalSimilarity: float = param(
         0.6, "Share of common words from which a new node merges with the last one; 1 is off.", ge=0, le=1
@@ -113,6 +120,15 @@ class RGBDGroup(Group):
         "A loop is refused when a link's residual exceeds this many sigmas; 0 is off.",
         unit="sigma",
         ge=0,
+    )
+    StartAtOrigin: bool = param(
+        False, "Localisation starts at the first node instead of where the robot was last.", effect=_SESSION
+    )
+    MaxOdomCacheSize: int = param(
+        10, "Odometry poses that localisation fits to the map together.", unit="poses", ge=1, le=100
+    )
+    LocalizationPriorError: float = param(
+        0.001, "Standard deviation that localisation takes for the poses of the map.", unit="m, rad", ge=1e-4, le=1
     )
     OptimizeFromGraphEnd: bool = param(False, "Hold the newest node fixed instead of the oldest.")
     MaxLoopClosureDistance: float = param(0.0, "Longest accepted loop; 0 is no limit.", unit="m", ge=0)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import atexit
 import shutil
 import sqlite3
 from contextlib import closing
 from functools import cache
 from pathlib import Path
-from tempfile import mkdtemp
 
 import numpy as np
 import pytest
@@ -21,7 +19,7 @@ from slam.params import Params
 from slam.run import ate_rmse_m
 from slam.slam import Slam
 from slam.types import Frame, Tier, Update
-from tests.tours import EVERY, fed, there_and_back, truth
+from tests.tours import EVERY, fed, saved, there_and_back, truth
 
 TURN = 18
 
@@ -38,22 +36,9 @@ def appended(path: Path, params: Params = EVERY) -> tuple[Slam, Past]:
 
 
 @cache
-def first_session(memory_thr: int) -> Path:
-    """The way there, as a closed map."""
-    folder = Path(mkdtemp(prefix="slamdeck-session-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    params = EVERY.changed({"Rtabmap/MemoryThr": memory_thr})
-    slam = Slam(params, MapWriter.create(folder / "map.db", params, seed=0, source="there"), source="there")
-    fed(slam, way()[:TURN])
-    slam.close()
-    return folder / "map.db"
-
-
-@cache
 def both_sessions() -> tuple[Slam, tuple[Update, ...], Path]:
     """The way there and, as a second session, back again."""
-    path = first_session(0).with_name("both.db")
-    shutil.copy(first_session(0), path)
+    path = Path(shutil.copy(saved(0), saved(0).with_name("both.db")))
     slam, _ = appended(path)
     updates = fed(slam, way()[TURN:])
     slam.close()
@@ -89,7 +74,7 @@ def test_a_loop_makes_one_map_of_two_sessions() -> None:
 
 
 def test_sessions_that_nothing_joins_are_judged_each_on_its_own(tmp_path: Path) -> None:
-    path = Path(shutil.copy(first_session(0), tmp_path))
+    path = Path(shutil.copy(saved(0), tmp_path))
     slam, _ = appended(path, EVERY.changed({"Rtabmap/LoopThr": 1.0, "RGBD/AggressiveLoopThr": 1.0}))
     fed(slam, way()[TURN : TURN + 8])
     slam.close()
@@ -101,7 +86,7 @@ def test_sessions_that_nothing_joins_are_judged_each_on_its_own(tmp_path: Path) 
 
 @pytest.mark.parametrize("everything", [False, True])
 def test_working_memory_starts_as_it_was_left_or_with_everything(everything: bool) -> None:
-    path = first_session(4)
+    path = saved(4)
     left, words = MapReader(path).memory_ids()
     past = recall(MapReader(path), EVERY.changed({"Mem/InitWMWithAllNodes": everything}), seed=0)
     memory = past.memory
@@ -116,7 +101,7 @@ def test_working_memory_starts_as_it_was_left_or_with_everything(everything: boo
 
 
 def test_nodes_and_words_are_what_the_last_session_had() -> None:
-    path, reader = first_session(0), MapReader(first_session(0))
+    path, reader = saved(0), MapReader(saved(0))
     memory = recall(reader, EVERY, seed=0).memory
     for node_id in (1, TURN):
         features, word_ids = reader.features(node_id)
@@ -129,7 +114,7 @@ def test_nodes_and_words_are_what_the_last_session_had() -> None:
 
 
 def test_nodes_of_an_earlier_session_come_back_from_long_term_memory(tmp_path: Path) -> None:
-    path = Path(shutil.copy(first_session(4), tmp_path))
+    path = Path(shutil.copy(saved(4), tmp_path))
     slam, past = appended(path, EVERY.changed({"Rtabmap/MemoryThr": 12}))
     away = set(past.memory.ltm)
     updates = fed(slam, way()[TURN:])
@@ -142,14 +127,14 @@ def test_nodes_of_an_earlier_session_come_back_from_long_term_memory(tmp_path: P
 def test_the_grid_of_the_earlier_session_comes_with_the_loop() -> None:
     _, _, path = both_sessions()
     reader = MapReader(path)
-    whole, alone = reader.grid(), MapReader(first_session(0)).grid()
+    whole, alone = reader.grid(), MapReader(saved(0)).grid()
     assert whole is not None
     assert alone is not None
     assert (whole.cells >= 0).sum() > 0.9 * (alone.cells >= 0).sum()
 
 
 def test_words_of_another_kind_are_refused_before_anything_is_written(tmp_path: Path) -> None:
-    path = Path(shutil.copy(first_session(0), tmp_path))
+    path = Path(shutil.copy(saved(0), tmp_path))
     with closing(sqlite3.connect(path)) as database:
         database.execute("UPDATE Word SET descriptor = zeroblob(64), descriptor_size = 64")
         database.commit()

@@ -128,6 +128,9 @@ def test_a_run_prints_one_object_and_the_same_twice(tmp_path: Path) -> None:
     info = json.loads(slamdeck("info", tmp_path / "a.db", "--json").stdout)
     assert (info["sessions"], info["nodes"]) == (2, 2 * results[0]["nodes"])
     assert [session["nodes"] for session in info["session_list"]] == [results[0]["nodes"]] * 2
+    place = slamdeck("run", TINY, "--db", tmp_path / "a.db", "--localize", "--json")
+    assert json.loads(place.stdout)["localization"]["localized_frames"] == results[0]["frames"], place.stderr
+    assert "does not exist" in refusal("run", TINY, "--db", tmp_path / "c.db", "--localize")
     assert "not both" in refusal("run", TINY, "--db", tmp_path / "a.db", "--append", "--overwrite")
     assert slamdeck("run", TINY, "--db", tmp_path / "a.db", "--overwrite").returncode == 0
 
