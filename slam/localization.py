@@ -73,14 +73,14 @@ class Localization(Slam):
             if not began and self.localized and self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, None)
             motion = None if began else self._motion(node)
-            self.graph.add_node(node.id, node.map_id, node.T_odom_base, self._localizer.T_map_odom @ node.T_odom_base)
+            self._active.add_node(node.id, node.map_id, node.T_odom_base, self._localizer.T_map_odom @ node.T_odom_base)
             self.memory.add(node, self.params)
         home = self._localizer.reference
         known = home if self.localized else 0
-        belief = self._loops.recognize(node, self.memory, self.graph, self.params, clock, home=known)
+        belief = self._loops.recognize(node, self.memory, self._active.graph, self.params, clock, home=known)
         with clock.stage("Timing/Reactivation/ms"):
             retrieved = self._retrieve(node, belief)
-        tried = self._loops.candidates(node, belief, self.memory, self.graph, self.params, clock, home=home)
+        tried = self._loops.candidates(node, belief, self.memory, self._active.graph, self.params, clock, home=home)
         with clock.stage("Timing/Map_optimization/ms"):
             judged = self._localizer.update(node, motion, tried, self.graph.poses, self.params)
         self.graph.poses[node.id] = self._localizer.T_map_odom @ node.T_odom_base
@@ -98,10 +98,10 @@ class Localization(Slam):
             covariance=self._localizer.covariance(node.T_odom_base, np.zeros((6, 6))),
             posterior=belief.posterior,
             candidates=tuple(judged),
-            statistics=describe(facts, self.memory, self.graph, clock),
+            statistics=describe(facts, self.memory, self._active.graph, self._localizer.T_map_odom, clock),
         )
         self.memory.dismiss(node.id)
-        self.graph.remove_node(node.id)
+        self._active.remove_node(node.id)
         self.memory.take_renamed()
         update = replace(update, tiers=self.memory.take_moves(), time_ms=clock.elapsed_ms)
         if self.params.Mem.LocalizationDataSaved:

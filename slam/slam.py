@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -11,15 +12,18 @@ from numpy.typing import NDArray
 from slam.accuracy import frames_ate_m
 from slam.clock import StageClock
 from slam.database import MapReader, MapWriter, NodeRecord, WordRows
-from slam.errors import ParameterError
-from slam.geometry import Pose, between
+from slam.errors import OptimizationError, ParameterError
+from slam.geometry import Pose, between, inverse
 from slam.graph.graph import PoseGraph
+from slam.graph.optimizer import optimize
 from slam.loop.closing import Closed, close
 from slam.loop.detector import Belief, LoopDetector
 from slam.maps.grid_layer import GridLayer
+from slam.memory.active_graph import ActiveGraph
 from slam.memory.long_term import DatabaseMemory, RamMemory
 from slam.memory.memory import Memory
 from slam.memory.past import Past
+from slam.memory.places import Places
 from slam.memory.rehearsal import Rehearsal, moved, rehearse
 from slam.memory.retrieval import choose_retrieval
 from slam.memory.transfer import choose_transfer
@@ -30,6 +34,8 @@ from slam.types import UNKNOWN_VARIANCE, Frame, Link, LinkType, LocalGrid, Node,
 
 #: Stamps of a 30 Hz camera jitter by less than this share of the time between two updates.
 _JITTER = 0.05
+#: Nodes in long-term memory that may follow the others at each update, so that all have after so many of them.
+_OFTEN = 50
 
 
 class Slam:
@@ -71,6 +77,12 @@ class Slam:
         self._seed, self._source = seed, source
         self._odometry = FrameToMap()
         self._loops = LoopDetector()
+        self._active = ActiveGraph(self.graph)
+        self._active.restrict(self.memory.ltm)
+        self._places = Places()
+        self._places.put(self.graph.poses, sorted(self.memory.ltm))
+        self._moved: set[int] = set()
+        self._behind = 0
         self._grid = GridLayer(params, None if past is None else past.reader.local_grid)
         self._unwritten: list[TrackedFrame] = []
         self._weights: dict[int, int] = {}
@@ -107,6 +119,8 @@ class Slam:
 
     def poses_changed(self) -> None:
         """Somebody moved the graph's poses (a decision): the grid follows, and is stored."""
+        self._active.restrict(self.memory.ltm)
+        self._places.put(self.graph.poses, sorted(self.memory.ltm))
         self._grid.move(self.graph.poses)
         if self._writer is not None:
             self._writer.save_grid(self._grid.occupancy())
@@ -122,6 +136,7 @@ class Slam:
         self._writer.add_frames(self._unwritten)
         self._unwritten = []
         self._writer.update_nodes(self._weights)
+        self._settle(self._writer)
         self._writer.close_session(
             ram_ids=self._wm_ids(), ram_word_ids=self.memory.dictionary.ids(), params=self.params, clean=True
         )
@@ -143,18 +158,19 @@ class Slam:
             neighbor = self._insert(node)
             self._last, self._covariance = node, np.zeros((6, 6))
             self._hang(frame, odometry)
-        belief = self._loops.recognize(node, self.memory, self.graph, self.params, clock)
+        belief = self._loops.recognize(node, self.memory, self._active.graph, self.params, clock)
         with clock.stage("Timing/Reactivation/ms"):
             retrieved = self._retrieve(node, belief)
-        tried = self._loops.candidates(node, belief, self.memory, self.graph, self.params, clock)
+        tried = self._loops.candidates(node, belief, self.memory, self._active.graph, self.params, clock)
         with clock.stage("Timing/Map_optimization/ms"):
-            closed = close(self.graph, tried, self.params)
+            closed = close(self._active.graph, tried, self.params)
+            self._follow(node, closed)
             node = self._weigh(node, rehearsal, closed)
         with clock.stage("TimingMem/Occupancy_grid/ms"):
             grid = self._grid.add(node.id, frame, self.graph.poses, self.params)
             if closed.optimized:
                 self._grid.join(self.graph, closed.links, self.params)
-                self._grid.move(self.graph.poses)
+                self._grid.follow(self.graph.poses, sorted(self._moved))
         with clock.stage("Timing/Forgetting/ms"):
             transferred = self._transfer(belief, retrieved, clock.elapsed_ms)
         facts = Facts(node, belief, closed, rehearsal, odometry, retrieved, transferred, self._travelled_m)
@@ -169,7 +185,7 @@ class Slam:
             candidates=closed.candidates,
             tiers=self.memory.take_moves(),
             optimized=closed.optimized,
-            statistics=describe(facts, self.memory, self.graph, clock),
+            statistics=describe(facts, self.memory, self._active.graph, self._correction, clock),
             time_ms=clock.elapsed_ms,
         )
         self._write(frame, update, (*neighbor, *closed.links), words, grid)
@@ -197,10 +213,15 @@ class Slam:
     def _between_updates(self, frame: Frame, odometry: Odometry) -> Update:
         return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
 
+    @property
+    def _correction(self) -> Pose:
+        """``T_map_odom`` of the last node of this session, before the first one none."""
+        if self._last is None:
+            return np.eye(4)
+        return np.asarray(self.graph.poses[self._last.id] @ inverse(self._last.T_odom_base))
+
     def _in_map(self, odometry: Odometry) -> Pose | None:
-        if odometry.T_odom_base is None or self._last is None:
-            return odometry.T_odom_base
-        return np.asarray(self.graph.correction @ odometry.T_odom_base)
+        return None if odometry.T_odom_base is None else np.asarray(self._correction @ odometry.T_odom_base)
 
     def _hang(self, frame: Frame, odometry: Odometry) -> None:
         """Adds a frame to the trajectory, relative to the newest node of its session."""
@@ -260,8 +281,7 @@ class Slam:
     def _insert(self, node: Node) -> tuple[Link, ...]:
         """Puts a node into graph and STM; returns its link to the node before it in the same session."""
         last, started = self._last, self._restarted() and self._last is not None
-        T_map_odom = np.eye(4) if last is None else self.graph.correction
-        self.graph.add_node(node.id, node.map_id, node.T_odom_base, T_map_odom @ node.T_odom_base)
+        self._active.add_node(node.id, node.map_id, node.T_odom_base, self._correction @ node.T_odom_base)
         self.memory.add(node, self.params)
         self._newest_id, self._map_id = node.id, node.map_id
         if started and self._writer is not None:
@@ -272,12 +292,41 @@ class Slam:
         self._travelled_m += float(np.linalg.norm(T_last_node[:3, 3]))
         information = np.asarray(np.linalg.inv(self._covariance), np.float64)
         link = Link(node.id, last.id, LinkType.NEIGHBOR, between(node.T_odom_base, last.T_odom_base), information)
-        self.graph.add_link(link)
+        self._active.add_link(link)
         return (link,)
 
+    def _follow(self, node: Node, closed: Closed) -> None:
+        """All poses follow the optimised ones: those in RAM at once, those in long-term memory now and then."""
+        self._moved.add(node.id)
+        self._behind += 1
+        if closed.optimized:
+            self._active.closed(closed.links)
+            self._moved.update(self._active.graph.poses)
+        if _OFTEN * self._behind >= len(self.memory.ltm):
+            self._behind = 0
+            followed = self._active.follow()
+            self._places.put(self.graph.poses, (i for i in followed if i in self.memory.ltm))
+            self._moved.update(followed)
+
+    def _settle(self, writer: MapWriter) -> None:
+        """What was put off to keep updates short is done: the whole graph fits together, and the grid follows it."""
+        if not self._active.is_whole:
+            self._active.follow()
+            with suppress(OptimizationError):
+                self.graph.poses = optimize(self.graph, self.params).poses
+            writer.save_poses(self.graph.poses, None)
+        self._grid.move(self.graph.poses)
+        writer.save_grid(self._grid.occupancy())
+
     def _retrieve(self, node: Node, belief: Belief) -> list[int]:
-        chosen = choose_retrieval(self.memory, self.graph, node_id=node.id, best_id=belief.place, params=self.params)
-        return self.memory.retrieve(chosen, self.params)
+        chosen = choose_retrieval(
+            self.memory, self.graph, self._places, node_id=node.id, best_id=belief.place, params=self.params
+        )
+        retrieved = self.memory.retrieve(chosen, self.params)
+        self._places.drop(retrieved)
+        self._active.come_back(retrieved)
+        self._moved.update(retrieved)
+        return retrieved
 
     def _weigh(self, node: Node, rehearsal: Rehearsal | None, closed: Closed) -> Node:
         """Weights after rehearsal and loop closure: a place seen again hands its weight to its newest node."""
@@ -306,6 +355,8 @@ class Slam:
             params=self.params,
         )
         self.memory.transfer(chosen)
+        self._places.put(self.graph.poses, chosen)
+        self._active.leave(chosen)
         return chosen
 
     def _write(
@@ -327,11 +378,11 @@ class Slam:
             wm_ids=self._wm_ids() if self.params.Rtabmap.SaveWMState else None,
             weights={i: w for i, w in self._weights.items() if i != update.node.id},
             frames=tuple(self._unwritten),
-            poses=self.graph.poses,
-            grid_map=self._grid.occupancy(),
+            poses={i: self.graph.poses[i] for i in sorted(self._moved)},
+            grid_map=self._grid.occupancy_in_turn(),
         )
         self._writer.add_node(record)
-        self._unwritten, self._weights = [], {}
+        self._unwritten, self._weights, self._moved = [], {}, set()
 
     def _wm_ids(self) -> tuple[int, ...]:
         return tuple(sorted([*self.memory.stm, *self.memory.wm]))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
-from slam.database import admin_rows, data_rows, node_rows, statistics_rows
+from slam.database import admin_rows, data_rows, node_rows, pose_rows, statistics_rows
 from slam.database.deck_reader import DeckReader
 from slam.database.feature_rows import read_features
 from slam.database.images import decode_color, decode_depth
@@ -77,12 +77,12 @@ class MapReader(DeckReader):
     def poses(self) -> dict[int, Pose]:
         """Optimised poses T_map_base by node id; empty when none are stored."""
         with self._reading("reading the poses") as connection:
-            return admin_rows.read_poses(connection)
+            return pose_rows.read_poses(connection)
 
     def last_pose(self) -> Pose | None:
         """Where the robot was last, T_map_base; None when it is not stored."""
         with self._reading("reading the last pose") as connection:
-            return admin_rows.read_last(connection)
+            return pose_rows.read_last(connection)
 
     def grid(self) -> OccupancyGrid | None:
         """The global grid; None when none is stored."""

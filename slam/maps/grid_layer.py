@@ -14,6 +14,9 @@ from slam.types import Frame, Link, LocalGrid, OccupancyGrid
 #: The local grid of a node of the map file, None where it has none.
 LoadGrid = Callable[[int], LocalGrid | None]
 
+#: Local grids that each new node may put into the global grid again, and cells that it may store.
+_TOUCHES, _CELLS = 100, 500_000
+
 
 class GridLayer:
     """Makes the local grids and keeps the global one at the optimised poses."""
@@ -23,6 +26,8 @@ class GridLayer:
         self._global = GlobalGrid(params)
         self._stored = stored
         self._known: set[int] = set()
+        self._is_behind = False
+        self._touches = self._cells = 0
 
     def add(self, node_id: int, frame: Frame, poses: Mapping[int, Pose], params: Params) -> LocalGrid | None:
         """The local grid of a node, taken into the global one; None when grids are switched off."""
@@ -31,6 +36,7 @@ class GridLayer:
         self._global.params = params
         local = make_local_grid(frame.depth_m, frame.camera, level(poses[node_id]), params)
         self._known.add(node_id)
+        self._touches, self._cells = self._touches + _TOUCHES, self._cells + _CELLS
         self._global.add(node_id, local, poses[node_id])
         return local
 
@@ -45,9 +51,29 @@ class GridLayer:
                 grids = ((node_id, self._stored(node_id)) for node_id in joined)
                 self._global.add_all({i: (grid, graph.poses[i]) for i, grid in grids if grid is not None})
 
+    def follow(self, poses: Mapping[int, Pose], moved: Iterable[int]) -> None:
+        """Follows those poses that moved; a large grid is made anew seldom, so that each node bears a small share."""
+        self._is_behind |= self._global.follow(poses, moved)
+        if self._is_behind and self._touches >= len(self._global):
+            self.catch_up()
+
+    def catch_up(self) -> None:
+        """Makes the grid anew where poses have moved since it was last made."""
+        if self._is_behind:
+            self._global.rebuild()
+            self._is_behind, self._touches = False, 0
+
     def move(self, poses: Mapping[int, Pose]) -> None:
-        """Follows the optimised poses."""
+        """Follows all poses at once."""
         self._global.move(poses)
+        self._is_behind = False
+
+    def occupancy_in_turn(self) -> OccupancyGrid | None:
+        """The global grid to store now; None when that would cost too much for one node, or nothing is known."""
+        if self._cells < self._global.size:
+            return None
+        self._cells = 0
+        return self.occupancy()
 
     def occupancy(self) -> OccupancyGrid | None:
         """The global grid, None while nothing is known."""
