@@ -16,8 +16,9 @@ from slam.errors import OptimizationError, ParameterError
 from slam.geometry import Pose, between, inverse
 from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import optimize
-from slam.loop.closing import Closed, close
+from slam.loop.closing import Closed, close, limited
 from slam.loop.detector import Belief, LoopDetector
+from slam.loop.likelihood import WordBag
 from slam.maps.grid_layer import GridLayer
 from slam.memory.active_graph import ActiveGraph
 from slam.memory.long_term import DatabaseMemory, RamMemory
@@ -26,6 +27,8 @@ from slam.memory.past import Past
 from slam.memory.places import Places
 from slam.memory.rehearsal import Rehearsal, moved, rehearse
 from slam.memory.retrieval import choose_retrieval
+from slam.memory.signature import too_few_words
+from slam.memory.speed import Speed
 from slam.memory.transfer import choose_transfer
 from slam.odometry.frame_to_map import FrameToMap
 from slam.params import Effect, Params, Value, spec
@@ -90,12 +93,15 @@ class Slam:
         self._last: Node | None = None
         self._last_stamp = -np.inf
         self._last_loop = 0
+        self._speed, self._too_fast = Speed(), False
+        self._surest = np.zeros(6)
         self._travelled_m = 0.0
 
     def process(self, frame: Frame) -> Update:
         """Tracks a frame and, where it is due and somewhere new, makes it a node of the map."""
         odometry = self._odometry.track(frame, self.params)
         self._collect(odometry)
+        self._too_fast = self._speed.exceeds(frame.stamp, odometry.T_odom_base, self.params)
         if not self._due(frame, odometry):
             self._hang(frame, odometry)
             return self._between_updates(frame, odometry)
@@ -155,6 +161,10 @@ class Slam:
             rehearsal = rehearse(node, self.memory, self.params)
             if self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, rehearsal)
+            if self._is_useless(node):
+                return self._dismiss(frame, odometry, node, None)
+            if self.params.Mem.RehearsalWeightIgnoredWhileMoving:
+                rehearsal = None
             neighbor = self._insert(node)
             self._last, self._covariance = node, np.zeros((6, 6))
             self._hang(frame, odometry)
@@ -163,6 +173,8 @@ class Slam:
             retrieved = self._retrieve(node, belief)
         tried = self._loops.candidates(node, belief, self.memory, self._active.graph, self.params, clock)
         with clock.stage("Timing/Map_optimization/ms"):
+            if self.params.RGBD.LoopCovLimited and self._surest.any():
+                tried = [limited(candidate, self._surest) for candidate in tried]
             closed = close(self._active.graph, tried, self.params)
             self._follow(node, closed)
             node = self._weigh(node, rehearsal, closed)
@@ -193,7 +205,7 @@ class Slam:
 
     def _due(self, frame: Frame, odometry: Odometry) -> bool:
         """Whether a map update is due for this frame (``Rtabmap/DetectionRate``, by the frames' stamps)."""
-        if odometry.T_odom_base is None:
+        if odometry.T_odom_base is None or self._too_fast:
             return False
         rate = self.params.Rtabmap.DetectionRate
         if rate == 0 or self._restarted():
@@ -278,6 +290,12 @@ class Slam:
         self._hang(frame, odometry)
         return self._between_updates(frame, odometry)
 
+    def _is_useless(self, node: Node) -> bool:
+        """Whether a node has too few words to be kept (``Mem/BadSignaturesIgnored``), or to begin a session with."""
+        begins = self._last is None and self.params.Rtabmap.StartNewMapOnGoodSignature
+        asked = begins or self.params.Mem.BadSignaturesIgnored
+        return asked and too_few_words(WordBag.of(node), self.memory, self.params) is not None
+
     def _insert(self, node: Node) -> tuple[Link, ...]:
         """Puts a node into graph and STM; returns its link to the node before it in the same session."""
         last, started = self._last, self._restarted() and self._last is not None
@@ -291,6 +309,7 @@ class Slam:
         T_last_node = between(last.T_odom_base, node.T_odom_base)
         self._travelled_m += float(np.linalg.norm(T_last_node[:3, 3]))
         information = np.asarray(np.linalg.inv(self._covariance), np.float64)
+        self._surest = np.maximum(self._surest, np.diagonal(information))
         link = Link(node.id, last.id, LinkType.NEIGHBOR, between(node.T_odom_base, last.T_odom_base), information)
         self._active.add_link(link)
         return (link,)

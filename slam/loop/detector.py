@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from slam.clock import StageClock
 from slam.graph.graph import PoseGraph
 from slam.loop.appearance import AppearanceLoops, verify
 from slam.loop.bayes import BayesFilter
+from slam.loop.epipolar import epipolar_refusal
 from slam.loop.likelihood import adjust, raw_likelihood
 from slam.loop.proximity import nearby
 from slam.memory.memory import Memory
+from slam.memory.signature import too_few_words
 from slam.params import Params
 from slam.types import Candidate, LinkType, Node, Posterior
 
@@ -51,9 +51,9 @@ class LoopDetector:
     ) -> Belief:
         """Belief over working memory after seeing a node; ``home`` is a node of the graph that it is known to be in."""
         bag = memory.bags[node.id]
-        usual = float(np.mean([len(b.words) for b in memory.bags.values()]))
-        if len(bag.words) < params.Kp.BadSignRatio * usual:
-            return Belief(None, refused=f"{len(bag.words)} words, too few beside the usual {usual:.0f}")
+        bad = too_few_words(bag, memory, params)
+        if bad is not None:
+            return Belief(None, refused=bad.text)
         places = sorted(memory.wm)
         with clock.stage("Timing/Likelihood_computation/ms"):
             others = [memory.bags[i] for i in memory.stm]
@@ -63,6 +63,8 @@ class LoopDetector:
             posterior = self._bayes.update(places, likelihood, virtual, graph, params)
         connected = posterior.best_id == 0 or posterior.best_id in graph.component(home or node.id)
         refusal = self._appearance.hypothesis(posterior, connected=connected, params=params)
+        if refusal is None:
+            refusal = epipolar_refusal(node, memory.nodes[posterior.best_id], params)
         if refusal is not None:
             return Belief(posterior, refused=refusal.text)
         return Belief(posterior, place=posterior.best_id)
@@ -80,6 +82,13 @@ class LoopDetector:
     ) -> list[Candidate]:
         """Registers the node with the place believed in and with what is near by, on paths that lead to ``home``."""
         found: list[Candidate] = []
+        if params.RGBD.ProximityByTime:
+            with clock.stage("Timing/Proximity_by_time/ms"):
+                found += [
+                    verify(node, memory.nodes[i], LinkType.LOCAL_TIME_CLOSURE, float("nan"), params)
+                    for i in memory.stm
+                    if i != node.id and i not in graph.neighbors(node.id)
+                ]
         with clock.stage("Timing/Hypotheses_validation/ms"):
             # Odometry has joined them already when the last node is in working memory (Mem/STMSize 1).
             joined = belief.place in graph.neighbors(node.id)

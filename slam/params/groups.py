@@ -44,6 +44,9 @@ class RtabmapGroup(Group):
     VirtualPlaceLikelihoodRatio: int = param(
         0, "Likelihood of a new place: 0 mean / deviation, 1 deviation / (max - mean).", ge=0, le=1
     )
+    StartNewMapOnGoodSignature: bool = param(
+        False, "A session begins with a node that has enough words; those before are not kept."
+    )
     SaveWMState: bool = param(True, "Store the ids in working memory with each update's statistics.")
 
 
@@ -61,6 +64,10 @@ class MemGroup(Group):
     RehearsalSimilarity: float = param(
         0.6, "Share of common words from which a new node merges with the last one; 1 is off.", ge=0, le=1
     )
+    RehearsalWeightIgnoredWhileMoving: bool = param(
+        False, "A node that looks like the last one adds weight to it only when the robot has not moved."
+    )
+    BadSignaturesIgnored: bool = param(False, "Nodes with too few words are not kept.")
     RecentWmRatio: float = param(0.2, "Newest share of working memory that never goes to long-term memory.", ge=0, le=1)
     InitWMWithAllNodes: bool = param(
         False,
@@ -84,6 +91,15 @@ class KpGroup(Group):
         0.5, "A node with fewer than this share of the usual words is not used for loops.", ge=0, le=1
     )
     TfIdfLikelihoodUsed: bool = param(True, "Likelihood by TF-IDF; otherwise by the share of common words.")
+
+
+class VhEpGroup(Group):
+    """Epipolar check of loop hypotheses."""
+
+    Enabled: bool = param(False, "Hypotheses must fit an epipolar geometry before they are registered.")
+    MatchCountMin: int = param(8, "Fewest common words, and inliers among them.", unit="words", ge=8)
+    RansacParam1: float = param(3.0, "Distance to the epipolar line of an inlier.", unit="px", ge=0.1)
+    RansacParam2: float = param(0.99, "Confidence at which RANSAC stops.", ge=0.5, le=0.9999)
 
 
 class BayesGroup(Group):
@@ -112,6 +128,10 @@ class RGBDGroup(Group):
 
     LinearUpdate: float = param(0.1, "Motion from which a frame becomes a node.", unit="m", ge=0)
     AngularUpdate: float = param(0.1, "Rotation from which a frame becomes a node.", unit="rad", ge=0)
+    LinearSpeedUpdate: float = param(0.0, "Frames of a faster robot become no nodes; 0 is off.", unit="m/s", ge=0)
+    AngularSpeedUpdate: float = param(
+        0.0, "Frames of a robot that turns faster become no nodes; 0 is off.", unit="rad/s", ge=0
+    )
     AggressiveLoopThr: float = param(
         0.05, "LoopThr for places not joined to the current graph yet; 1 is off.", ge=0, le=1
     )
@@ -132,6 +152,8 @@ class RGBDGroup(Group):
     )
     OptimizeFromGraphEnd: bool = param(False, "Hold the newest node fixed instead of the oldest.")
     MaxLoopClosureDistance: float = param(0.0, "Longest accepted loop; 0 is no limit.", unit="m", ge=0)
+    LoopCovLimited: bool = param(False, "A loop counts for no surer than the surest odometry link so far.")
+    ProximityByTime: bool = param(False, "Look for loops with the nodes in short-term memory.")
     LocalRadius: float = param(10.0, "Radius of the local map.", unit="m", ge=0)
     LocalImmunizationRatio: float = param(0.25, "Share of working memory near the robot that stays there.", ge=0, le=1)
     MaxLocalRetrieved: int = param(

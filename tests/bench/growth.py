@@ -30,7 +30,7 @@ def main() -> None:
     count = int(arguments[0]) if arguments else 10_000
     given = dict(text.split("=", 1) for text in arguments[1:])
     params = Params().changed({"Rtabmap/DetectionRate": 0.0, "Rtabmap/MemoryThr": 300, **given})
-    world = GhostWorld(max(20, count // 4))
+    world = GhostWorld(max(20, count // 20))
     with tempfile.TemporaryDirectory() as folder:
         slam = Slam(params, MapWriter.create(Path(folder) / "m.db", params, seed=0, source="ghosts"), source="ghosts")
         slam._odometry = GhostOdometry(world)  # type: ignore[assignment]
