@@ -11,14 +11,14 @@ from slam.clock import StageClock
 from slam.database import MapWriter, NodeRecord
 from slam.geometry import Pose, between
 from slam.loop.closing import Closed
-from slam.loop.detector import LoopDetector
+from slam.loop.detector import Belief, LoopDetector
 from slam.loop.localizer import Localizer
 from slam.memory.past import Past
 from slam.memory.rehearsal import moved
 from slam.params import Params
 from slam.slam import Slam
 from slam.statistics import Facts, describe
-from slam.types import WEIGHT_INVALID, Frame, Link, LinkType, Node, Odometry, Update
+from slam.types import WEIGHT_INVALID, Candidate, Frame, Link, LinkType, Node, Odometry, Update
 
 
 class Localization(Slam):
@@ -75,19 +75,11 @@ class Localization(Slam):
             motion = None if began else self._motion(node)
             self._active.add_node(node.id, node.map_id, node.T_odom_base, self._localizer.T_map_odom @ node.T_odom_base)
             self.memory.add(node, self.params)
-        home = self._localizer.reference
-        known = home if self.localized else 0
-        belief = self._loops.recognize(node, self.memory, self._active.graph, self.params, clock, home=known)
-        with clock.stage("Timing/Reactivation/ms"):
-            retrieved = self._retrieve(node, belief)
-        tried = self._loops.candidates(node, belief, self.memory, self._active.graph, self.params, clock, home=home)
-        with clock.stage("Timing/Map_optimization/ms"):
-            judged = self._localizer.update(node, motion, tried, self.graph.poses, self.params)
-        self.graph.poses[node.id] = self._localizer.T_map_odom @ node.T_odom_base
+        belief, retrieved, judged = self._look(node, motion, clock)
         with clock.stage("Timing/Forgetting/ms"):
             transferred = self._transfer(belief, retrieved, clock.elapsed_ms)
-        self._last, self._covariance, self._newest_id = node, np.zeros((6, 6)), node.id
-        self._map_id = node.map_id
+        self._last, self._covariance = node, np.zeros((6, 6))
+        self._newest_id, self._map_id = node.id, node.map_id
         self._hang(frame, odometry)
         facts = Facts(node, belief, Closed(tuple(judged)), None, odometry, retrieved, transferred, self._travelled_m)
         update = Update(
@@ -100,13 +92,30 @@ class Localization(Slam):
             candidates=tuple(judged),
             statistics=describe(facts, self.memory, self._active.graph, self._localizer.T_map_odom, clock),
         )
-        self.memory.dismiss(node.id)
-        self._active.remove_node(node.id)
-        self.memory.take_renamed()
+        self._let_go(node)
         update = replace(update, tiers=self.memory.take_moves(), time_ms=clock.elapsed_ms)
         if self.params.Mem.LocalizationDataSaved:
             self._keep(frame, node, update)
         return update
+
+    def _look(self, node: Node, motion: Link | None, clock: StageClock) -> tuple[Belief, list[int], list[Candidate]]:
+        """What is believed of a node's place, what came back from long-term memory, and what the images say of it."""
+        home = self._localizer.reference
+        known = home if self.localized else 0
+        belief = self._loops.recognize(node, self.memory, self._active.graph, self.params, clock, home=known)
+        with clock.stage("Timing/Reactivation/ms"):
+            retrieved = self._retrieve(node, belief)
+        tried = self._loops.candidates(node, belief, self.memory, self._active.graph, self.params, clock, home=home)
+        with clock.stage("Timing/Map_optimization/ms"):
+            judged = self._localizer.update(node, motion, tried, self.graph.poses, self.params)
+        self.graph.poses[node.id] = self._localizer.T_map_odom @ node.T_odom_base
+        return belief, retrieved, judged
+
+    def _let_go(self, node: Node) -> None:
+        """The map is what it was: the node leaves memory and graph."""
+        self.memory.dismiss(node.id)
+        self._active.remove_node(node.id)
+        self.memory.take_renamed()
 
     def _motion(self, node: Node) -> Link:
         assert self._last is not None

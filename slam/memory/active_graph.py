@@ -11,6 +11,10 @@ from slam.geometry import Pose, adjoint, between, inverse
 from slam.graph.graph import PoseGraph
 from slam.types import Link, LinkType
 
+#: Neighbours of a node that leaves get no link over it when they are this near by other links: else each loop that
+#: ever was would leave a link behind, and the graph would grow dense.
+_NEAR = 3
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Bypass:
@@ -24,7 +28,7 @@ class ActiveGraph:
     """Keeps what an update costs within bounds, however large the map: only this graph is searched and optimised.
 
     As long as every node is in RAM it is the whole graph itself. A node that leaves is eliminated: virtual links join
-    its neighbours, with the transforms and covariances of the two links on the way put together, and the node hangs on
+    those of its neighbours that would be far apart without it, with the transforms and covariances of the two links on the way put together, and the node hangs on
     its nearest neighbour in time, with which it moves from then on. A node that comes back gets its links again.
 
     Attributes:
@@ -115,7 +119,7 @@ class ActiveGraph:
         self.graph.remove_node(node_id)
         made = []
         for a, b in zip(sorted(links), sorted(links)[1:], strict=False):
-            if b not in self.graph.neighbors(a):
+            if b not in self.graph.within(a, _NEAR):
                 bypass = _Bypass(_composed(links[a], links[b], a, node_id, b), (links[a], links[b]))
                 self.graph.add_link(bypass.link)
                 made.append(bypass)
