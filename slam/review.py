@@ -168,19 +168,20 @@ class Review:
     def _carry_out(self, entry: JournalEntry, here: Snapshot | None = None, there: Snapshot | None = None) -> Effect:
         """Change graph, file and history, all or none."""
         poses, chi2_before, before = self.graph.poses, self._chi2(), Snapshot.of(self.graph.poses)
+        ate_before = self._ate(poses) if self._ate is not None else None
         known = there if here is not None and here.same(poses) else None
         try:
             with self._change(entry, known) as separated:
                 shift = Shift.between(poses, self.graph.poses)
                 chi2_after = chi2_before if self.graph.poses is poses else self._chi2()
-                ate = [self._ate(p) if self._ate is not None else None for p in (poses, self.graph.poses)]
+                ate_after = self._ate(self.graph.poses) if self._ate is not None else None
                 entry = replace(entry, time=time.time(), chi2_before=chi2_before, chi2_after=chi2_after)
                 entry = replace(entry, moved=shift.moved, max_shift_m=shift.max_m)
                 entry = replace(entry, id=self._write(entry))
         except OptimizationError as error:
             raise DecisionError(f"{entry.action} {entry.from_id}->{entry.to_id} is not possible: {error}") from error
         self._history.record(entry, before, Snapshot.of(self.graph.poses))
-        return Effect(entry, chi2_before, chi2_after, shift.moved, shift.max_m, ate[0], ate[1], separated)
+        return Effect(entry, chi2_before, chi2_after, shift.moved, shift.max_m, ate_before, ate_after, separated)
 
     def _change(self, entry: JournalEntry, there: Snapshot | None) -> AbstractContextManager[int]:
         before, after = entry.link_before, entry.link_after

@@ -12,10 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from slam.evaluate import absolute_error
 from slam.sensors import Source
 from slam.slam import Slam
-from slam.trajectory import assemble
 from slam.types import LinkType, Update
 
 OnUpdate = Callable[[Update], None]
@@ -40,7 +38,7 @@ class Tally:
         """Takes in one update."""
         self._odometry_ms.append(update.odometry.time_ms)
         self.lost_frames += update.T_map_base is None
-        if update.node is not None:
+        if update.time_ms:
             self._update_ms.append(update.time_ms)
         for candidate in update.candidates:
             kind = "global" if candidate.type is LinkType.GLOBAL_CLOSURE else "proximity"
@@ -49,7 +47,8 @@ class Tally:
     def summary(self, slam: Slam, *, seed: int, path: Path | None) -> dict[str, Any]:
         """The object that ``slamdeck run --json`` prints; times in milliseconds, sizes in megabytes."""
         seconds = time.perf_counter() - self._start
-        links = Counter(link.type.label for link in slam.graph.links.values())
+        graph = slam.graph
+        links = Counter(link.type.label for link in (*graph.links.values(), *graph.constraints.values()))
         return {
             "frames": self.frames,
             "nodes": len(slam.graph),
@@ -62,6 +61,17 @@ class Tally:
             "peak_rss_mb": round(peak_rss_mb(), 1),
             "db_mb": None if path is None else round(path.stat().st_size / 1e6, 3),
             "seed": seed,
+            **({"localization": self._localization(slam)} if not slam.params.Mem.IncrementalMemory else {}),
+        }
+
+    def _localization(self, slam: Slam) -> dict[str, Any]:
+        """How many frames were localised, from which on, and how long it took to be localised again, in frames."""
+        known = [frame.T_node_base is not None for frame in slam.frames]
+        gaps = "".join("x" if one else "." for one in known).split("x")
+        return {
+            "localized_frames": sum(known),
+            "first_localized_frame": known.index(True) if any(known) else None,
+            "longest_gap_frames": max((len(gap) for gap in gaps), default=0),
         }
 
 
@@ -77,11 +87,7 @@ def run(source: Source, slam: Slam, on_update: OnUpdate) -> Tally:
 
 def ate_rmse_m(slam: Slam) -> float | None:
     """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""
-    path = assemble(slam.frames, slam.graph.poses)
-    known = np.isfinite(path.T_world_base[:, 0, 3])
-    if known.sum() < 3:
-        return None
-    return absolute_error(path.T_world_base[known], path.T_map_base[known]).rmse_m
+    return slam.ate_m()
 
 
 def peak_rss_mb() -> float:

@@ -33,12 +33,12 @@ class Facts:
     neighbor: Neighbor
 
 
-def describe(facts: Facts, memory: Memory, graph: PoseGraph, clock: StageClock) -> dict[str, float]:
+def describe(facts: Facts, memory: Memory, graph: PoseGraph, T_map_odom: Pose, clock: StageClock) -> dict[str, float]:
     """All statistics of an update, name -> value; ``Timing/Total/ms`` is what has passed when this is called."""
     return {
         **_loop(facts),
         **_closure(facts.closed),
-        **_pose(graph.poses[facts.node.id], graph.correction),
+        **_pose(graph.poses[facts.node.id], T_map_odom),
         **_memory(facts, memory, graph),
         **_odometry(facts.odometry),
         **_refining(facts.neighbor.refining),

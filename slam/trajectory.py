@@ -14,11 +14,15 @@ from slam.types import TrackedFrame
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """Poses T_map_base (N, 4, 4) with stamps (N,) in seconds and ground truth (N, 4, 4), NaN where unknown."""
+    """Poses T_map_base (N, 4, 4) with stamps (N,) in seconds and ground truth (N, 4, 4), NaN where unknown.
+
+    ``node_ids`` (N,) are the nodes that they hang on.
+    """
 
     stamps: NDArray[np.float64]
     T_map_base: NDArray[np.float64]
     T_world_base: NDArray[np.float64]
+    node_ids: NDArray[np.int64]
 
 
 def assemble(frames: Sequence[TrackedFrame], poses: Mapping[int, Pose]) -> Path:
@@ -27,9 +31,16 @@ def assemble(frames: Sequence[TrackedFrame], poses: Mapping[int, Pose]) -> Path:
     stamps: list[float] = []
     path: list[Pose] = []
     truth: list[Pose] = []
+    node_ids: list[int] = []
     for frame in frames:
         if frame.T_node_base is not None and frame.node_id in poses:
             stamps.append(frame.stamp)
+            node_ids.append(frame.node_id)
             path.append(poses[frame.node_id] @ frame.T_node_base)
             truth.append(unknown if frame.T_world_base is None else frame.T_world_base)
-    return Path(np.array(stamps), np.array(path).reshape(-1, 4, 4), np.array(truth).reshape(-1, 4, 4))
+    return Path(
+        np.array(stamps),
+        np.array(path).reshape(-1, 4, 4),
+        np.array(truth).reshape(-1, 4, 4),
+        np.array(node_ids, np.int64),
+    )

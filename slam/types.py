@@ -389,6 +389,7 @@ class TrackedFrame:
         inliers: of the odometry.
         odometry_ms: time the odometry took.
         lost: text of the reason, empty when tracked.
+        covariance: (6, 6) of its pose in axes of the map when localising in a finished one; 9999 while not recognised.
     """
 
     index: int
@@ -399,6 +400,7 @@ class TrackedFrame:
     inliers: int
     odometry_ms: float
     lost: str = ""
+    covariance: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -409,7 +411,8 @@ class Update:
         frame_index: of the source.
         stamp: seconds.
         odometry: tracking result.
-        T_map_base: (4, 4) pose in the map, None when lost.
+        T_map_base: (4, 4) pose in the map, None when lost; a guess while ``covariance`` is 9999.
+        covariance: (6, 6) of that pose in axes of the map, m^2 and rad^2; only when localising in a finished map.
         node: the node that was added, None for a frame in between.
         weight: weight the node ended up with (-9 when it was merged or dropped).
         posterior: belief over WM, None where it was not computed.
@@ -432,3 +435,4 @@ class Update:
     optimized: bool = False
     statistics: Mapping[str, float] = field(default_factory=dict)
     time_ms: float = 0.0
+    covariance: NDArray[np.float64] | None = None

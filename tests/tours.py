@@ -91,3 +91,15 @@ def mapped(memory_thr: int) -> Mapped:
     updates = fed(slam, sparse())
     slam.close()
     return Mapped(slam, tuple(updates), path)
+
+
+@cache
+def saved(memory_thr: int, count: int = 18) -> Path:
+    """A closed map file of the first frames of the sparse tour, from the source "there"."""
+    folder = Path(mkdtemp(prefix="slamdeck-saved-"))
+    atexit.register(rmtree, folder, ignore_errors=True)
+    params = EVERY.changed({"Rtabmap/MemoryThr": memory_thr})
+    slam = Slam(params, MapWriter.create(folder / "map.db", params, seed=0, source="there"), source="there")
+    fed(slam, sparse()[:count])
+    slam.close()
+    return folder / "map.db"

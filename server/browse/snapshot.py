@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from server.accuracy import frames_ate_m, poses_ate_m
+from slam.accuracy import frames_ate_m, pooled_ate_m
 from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
 from slam.errors import ParameterError
 from slam.evaluate import align
@@ -143,20 +143,22 @@ class Snapshot:
         if not self.has_truth:
             return None
         frames = self.reader.trajectory()
-        return frames_ate_m(frames, self.poses) if frames else poses_ate_m(*self._node_path())
+        if frames:
+            return frames_ate_m(frames, self.poses, self.links)
+        return pooled_ate_m(*self._node_path(), self.links)
 
     @cached_property
     def T_map_world(self) -> Pose:
         """Lays the true path over the map's, by the nodes that have both; NaN where none has."""
-        T_world, T_map = self._node_path()
+        T_world, T_map, _ = self._node_path()
         known = np.isfinite(T_world[:, 0, 3])
         return align(T_map[known, :3, 3], T_world[known, :3, 3]) if known.any() else np.full((4, 4), np.nan)
 
-    def _node_path(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _node_path(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in self.poses]
         rows = [self.rows[node_id] for node_id in ids]
         T_map = np.array([self.poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
-        return self.nodes.T_world[rows], T_map
+        return self.nodes.T_world[rows], T_map, np.array(ids, np.int64)
 
 
 def _pair(a: int, b: int) -> Pair:

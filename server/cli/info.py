@@ -2,31 +2,66 @@
 
 from __future__ import annotations
 
+import json as json_format
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from slam.database import MapReader
 
 
 def info(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="A map file of slamdeck or RTAB-Map.")],
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Version, sessions, nodes, links, words, sizes, and parameters that differ from the defaults."""
+    """Version, nodes, links, words, sizes, parameters that differ from the defaults, and each session."""
     from rich.console import Console
     from rich.table import Table
 
     from server.browse.summary import facts
     from slam.database import MapReader
 
-    found = facts(MapReader(path).info())
+    reader = MapReader(path)
+    found, sessions = facts(reader.info()), describe_sessions(reader)
     if json:
-        typer.echo(found.model_dump_json())
+        typer.echo(json_format.dumps({**found.model_dump(), "session_list": sessions}))
         return
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     for name, value in found.model_dump().items():
         table.add_row(name.replace("_", " "), _text(name, value))
+    for session in sessions:
+        table.add_row(f"session {session['map_id']}", _session_text(session))
     Console().print(table)
+
+
+def describe_sessions(reader: MapReader) -> list[dict[str, Any]]:
+    """Each session: number, nodes, source, whether it was closed in order, and those that it is one map with."""
+    from slam.graph.components import components
+
+    nodes = reader.nodes()
+    map_id_of = dict(zip(nodes.ids.tolist(), nodes.map_ids.tolist(), strict=True))
+    pairs = [link.pair for link in reader.links() if link.from_id in map_id_of and link.to_id in map_id_of]
+    piece_of = components(map_id_of.values(), ((map_id_of[a], map_id_of[b]) for a, b in pairs))
+    return [
+        {
+            "map_id": row.map_id,
+            "nodes": row.nodes,
+            "source": row.source,
+            "clean": row.clean,
+            "joined_with": sorted(
+                i for i, piece in piece_of.items() if i != row.map_id and piece == piece_of.get(row.map_id)
+            ),
+        }
+        for row in reader.sessions()
+    ]
+
+
+def _session_text(session: dict[str, Any]) -> str:
+    joined = ", ".join(map(str, session["joined_with"]))
+    parts = [f"{session['nodes']} nodes", session["source"], f"one map with {joined}" if joined else "on its own"]
+    return ", ".join(part for part in [*parts, "" if session["clean"] else "not closed in order"] if part)
 
 
 def _text(name: str, value: object) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from server.engine.mapping import engine_on_new_map
+from server.engine.mapping import engine_on_map
 from slam.errors import SlamError, SourceError
 from slam.params import Params, Value
 from slam.run import Tally
@@ -25,7 +25,7 @@ class StoppedError(SlamError):
 
 
 def plain_run(
-    source_url: str, path: Path, values: Mapping[str, Value], *, seed: int, overwrite: bool
+    source_url: str, path: Path, values: Mapping[str, Value], *, seed: int, overwrite: bool, append: bool
 ) -> dict[str, Any]:
     """Map a source; the summary.
 
@@ -34,7 +34,7 @@ def plain_run(
         SlamError: the source, a parameter or the file is refused.
     """
     source, params = open_source(source_url), Params().changed(values)
-    opening = engine_on_new_map(path, params, seed=seed, source=source.name, overwrite=overwrite)
+    opening = engine_on_map(path, params, seed=seed, source=source.name, overwrite=overwrite, append=append)
     tally = Tally()
     with opening as (slam, _), _signals() as stop, _progress(len(source)) as advance:
         for frame in _read(source, slam, path):
@@ -55,7 +55,8 @@ def _read(source: Source, slam: Slam, path: Path) -> Iterator[Frame]:
 
 
 def _held(slam: Slam, path: Path) -> str:
-    return f"{path} holds the {len(slam.graph)} nodes mapped until then (--overwrite to map into it again)"
+    how = "--overwrite to map into it again, --append to go on"
+    return f"{path} holds the {len(slam.graph)} nodes mapped until then ({how})"
 
 
 class _Stop:

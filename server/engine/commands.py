@@ -12,15 +12,16 @@ from slam.params import Value
 
 @dataclass(frozen=True, slots=True)
 class RunJob:
-    """Map a source into a new file.
+    """Map a source into a file.
 
     Attributes:
         source: address of the source.
-        path: the file to make.
+        path: the file to make, or to go on with.
         params: values that differ from the defaults.
         seed: of everything random.
         speed: times real time, by the frames' stamps; 0 is as fast as possible.
         overwrite: replace a file that is there.
+        append: go on with a file that is there, as a new session of it.
     """
 
     source: str
@@ -29,6 +30,7 @@ class RunJob:
     seed: int = 0
     speed: float = 0.0
     overwrite: bool = False
+    append: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from server.accuracy import frames_ate_m
 from server.browse.snapshot import Snapshot
 from server.engine.channel import Channel
 from server.engine.commands import Decide, EditJob, Request, Stop
@@ -12,6 +11,7 @@ from server.engine.decision import carry_out
 from server.engine.events import Ended, GraphChanged, Started
 from server.engine.grid_rebuild import GridRebuild
 from server.errors import EngineError
+from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
 from slam.errors import SlamError
 from slam.graph.graph import PoseGraph
@@ -36,7 +36,9 @@ class Editor:
             reader = MapReader(self._path)
             snapshot = Snapshot(reader, 1, {})
             graph, frames = PoseGraph.from_reader(reader), reader.trajectory()
-            review = Review(graph, writer, reader, snapshot.params, lambda poses: frames_ate_m(frames, poses))
+            review = Review(
+                graph, writer, reader, snapshot.params, lambda poses: frames_ate_m(frames, poses, graph.links)
+            )
             grid = GridRebuild(reader, writer, graph, snapshot.params)
             self._channel.send(Started("", None, dict(snapshot.params.items())))
             self._serve(review, grid)

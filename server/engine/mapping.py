@@ -1,4 +1,4 @@
-"""An engine on a new map file, closed in order whatever happens."""
+"""An engine on a map file, closed in order whatever happens."""
 
 from __future__ import annotations
 
@@ -6,19 +6,32 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from slam.database import MapWriter
+from slam.database import MapReader, MapWriter
 from slam.database.lock import MapLock
 from slam.errors import DatabaseError
 from slam.features.files import check_files
+from slam.localization import Localization
+from slam.memory.past import recall
 from slam.params import Params
 from slam.slam import Slam
 
 
 @contextmanager
-def engine_on_new_map(
-    path: Path, params: Params, *, seed: int, source: str, overwrite: bool
-) -> Iterator[tuple[Slam, MapWriter]]:
-    """An engine that writes a new map, and the writer; afterwards the session is ended and the file is one plain file.
+def engine_on_map(
+    path: Path, params: Params, *, seed: int, source: str, overwrite: bool = False, append: bool = False
+) -> Iterator[tuple[Slam, MapWriter | None]]:
+    """An engine on a map file, and the writer; afterwards the session is ended and the file is one plain file.
+
+    With ``Mem/IncrementalMemory`` false it localises in a map that is there; with ``Mem/LocalizationReadOnly`` too
+    there is no writer.
+
+    Args:
+        path: of the map file.
+        params: to start with.
+        seed: of everything random.
+        source: what the frames come from.
+        overwrite: make a new file in the place of one that is there.
+        append: go on with a file that is there, as a new session of it.
 
     Raises:
         ParameterError: a network or dictionary that the parameters name can't be read; then no file is touched.
@@ -26,14 +39,36 @@ def engine_on_new_map(
         MapBusyError: somebody writes it.
     """
     check_files(params)
-    if overwrite and path.exists():
-        _remove(path)
-    with MapWriter.create(path, params, seed=seed, source=source) as writer:
-        slam = Slam(params, writer, seed=seed, source=source)
+    if not params.Mem.IncrementalMemory and params.Mem.LocalizationReadOnly:
+        yield Localization(params, recall(MapReader(path), params, seed=seed), seed=seed, source=source), None
+        return
+    if not params.Mem.IncrementalMemory or (append and path.exists()):
+        opening = _engine_on_old_map(path, params, seed, source)
+    else:
+        if overwrite and path.exists():
+            _remove(path)
+        writer = MapWriter.create(path, params, seed=seed, source=source)
+        opening = Slam(params, writer, seed=seed, source=source), writer
+    slam, writer = opening
+    with writer:
         try:
             yield slam, writer
         finally:
             slam.close()
+
+
+def _engine_on_old_map(path: Path, params: Params, seed: int, source: str) -> tuple[Slam, MapWriter]:
+    writer = MapWriter.open(path)
+    try:
+        # Read before the session begins: a map that can't be gone on with stays as it is.
+        past = recall(MapReader(path), params, seed=seed)
+        writer.start_session(params, seed=seed, source=source)
+    except BaseException:
+        writer.close()
+        raise
+    if params.Mem.IncrementalMemory:
+        return Slam(params, writer, seed=seed, source=source, past=past), writer
+    return Localization(params, past, writer, seed=seed, source=source), writer
 
 
 def _remove(path: Path) -> None:

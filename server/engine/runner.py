@@ -5,18 +5,18 @@ from __future__ import annotations
 import time
 from collections import deque
 
-from server.accuracy import frames_ate_m
 from server.engine.channel import Channel
 from server.engine.commands import Decide, Pause, Request, Resume, RunJob, SetParams, Step, Stop
 from server.engine.decision import carry_out
 from server.engine.events import Ended, GraphChanged, InForce, Moved, NodeAdded, Progress, Started
-from server.engine.mapping import engine_on_new_map
+from server.engine.mapping import engine_on_map
 from server.engine.pace import Pace
+from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
 from slam.errors import ParameterError, SlamError
 from slam.params import Params
 from slam.review import Review
-from slam.run import Tally
+from slam.run import Tally, ate_rmse_m
 from slam.sensors import open_source
 from slam.slam import Slam
 from slam.types import Frame, Update
@@ -46,8 +46,12 @@ class Runner:
         job = self._job
         source = open_source(job.source)
         params = Params().changed(job.params)
-        opening = engine_on_new_map(job.path, params, seed=job.seed, source=source.name, overwrite=job.overwrite)
+        opening = engine_on_map(
+            job.path, params, seed=job.seed, source=source.name, overwrite=job.overwrite, append=job.append
+        )
         with opening as (slam, writer):
+            if writer is None:
+                raise ParameterError("Mem/LocalizationReadOnly=true: decisions need a file that may be written")
             self._review = self._make_review(slam, writer)
             self._channel.send(Started(source.name, None if source.live else len(source), dict(params.items())))
             for frame in source:
@@ -55,7 +59,7 @@ class Runner:
                 if self._stopping:
                     break
                 self._take_in(slam, slam.process(frame))
-            self._ate_m = frames_ate_m(slam.frames, slam.graph.poses)
+            self._ate_m = ate_rmse_m(slam)
             self._progress(slam)
         summary = self._tally.summary(slam, seed=job.seed, path=job.path)
         return Ended("stopped" if self._stopping else "finished", summary=summary)
@@ -65,7 +69,7 @@ class Runner:
         self._tally.add(update)
         self._recent.append(now)
         if now - self._judged > _ATE_SECONDS and update.node is not None:
-            self._judged, self._ate_m = now, frames_ate_m(slam.frames, slam.graph.poses)
+            self._judged, self._ate_m = now, ate_rmse_m(slam)
         if now - self._moved > _MOVED_SECONDS:
             self._moved = now
             self._channel.send(Moved(update.T_map_base))
@@ -121,7 +125,8 @@ class Runner:
 
     def _make_review(self, slam: Slam, writer: MapWriter) -> Review:
         reader = MapReader(self._job.path)
-        return Review(slam.graph, writer, reader, slam.params, lambda poses: frames_ate_m(slam.frames, poses))
+        graph = slam.graph
+        return Review(graph, writer, reader, slam.params, lambda poses: frames_ate_m(slam.frames, poses, graph.links))
 
     def _decide(self, slam: Slam, command: Decide) -> object:
         effect = carry_out(self._review, command)

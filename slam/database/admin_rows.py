@@ -20,7 +20,7 @@ from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.types import OccupancyGrid
 
-#: Poses are written at every node: stored, not compressed. For 10,000 poses that saves 13 ms and costs a tenth in size.
+#: Stored, not compressed: for 10,000 poses that saves 13 ms at each decision and costs a tenth in size.
 _STORED = 0
 _MESH = ("opt_cloud", "opt_polygons_size", "opt_polygons", "opt_tex_coords", "opt_tex_materials")
 _GRID = ("opt_map", "opt_map_x_min", "opt_map_y_min", "opt_map_resolution")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, insert, select
+from sqlalchemy import Column, Connection, func, insert, select
 
 from slam.camera import Camera
 from slam.database.blobs import pack_row, unpack_matrix
@@ -89,6 +89,18 @@ def read_scan(connection: Connection, node_id: int) -> Scan | None:
     """The cloud of a node; None when it has none."""
     row = connection.execute(select(data.c.scan, data.c.scan_info).where(data.c.id == node_id)).first()
     return None if row is None else unpack_scan(row.scan, row.scan_info)
+
+
+def read_first_cameras(connection: Connection) -> dict[int, Camera]:
+    """Node id -> its first camera, of all nodes that have one; equal ones are one object."""
+    query = select(data.c.id, data.c.calibration).where(func.length(data.c.calibration) > _NOTHING)
+    made: dict[bytes, Camera] = {}
+    found = {}
+    for node_id, blob in connection.execute(query.order_by(data.c.id)):
+        if blob not in made:
+            made[blob] = unpack_cameras(blob)[0]
+        found[node_id] = made[blob]
+    return found
 
 
 def read_local_grid(connection: Connection, node_id: int) -> LocalGrid | None:

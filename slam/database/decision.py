@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from sqlalchemy import Connection
 
-from slam.database.admin_rows import clear_derived, write_poses
+from slam.database.admin_rows import clear_derived
 from slam.database.journal_rows import append_entry
 from slam.database.link_rows import insert_link, remove_link
 from slam.database.node_record import KnownIds
+from slam.database.pose_rows import replace_poses
 from slam.database.records import JournalEntry
 from slam.geometry import Pose
 from slam.types import Link
@@ -31,7 +32,7 @@ def write_decision(
         known.check_link(link)
         insert_link(connection, link)
     if poses:
-        write_poses(connection, poses, None)
+        replace_poses(connection, poses, None)
     if add or remove:
         clear_derived(connection)
     return number

@@ -42,6 +42,13 @@ update = Table(
     Column("time_ms", Float, nullable=False),
 )
 
+pose = Table(
+    "deck_pose",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("T_map_base", LargeBinary, nullable=False),
+)
+
 hypothesis = Table(
     "deck_hypothesis",
     metadata,

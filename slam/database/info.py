@@ -10,6 +10,7 @@ from sqlalchemy import Column, Connection, func, select
 from slam.database.admin_rows import read_version
 from slam.database.parameter_rows import read_parameters
 from slam.database.parameter_text import differing
+from slam.database.pose_rows import has_changed
 from slam.database.rows import MapInfo
 from slam.database.session_rows import read_sessions
 from slam.database.tables import admin, data, feature, info, link, node, statistics, word
@@ -52,7 +53,7 @@ def read_info(connection: Connection, path: Path, *, deck: bool, sizes: bool) ->
         seeds=tuple(s.seed for s in sessions if s.seed is not None),
         sources=tuple(s.source for s in sessions if s.source),
         clean=sessions[-1].clean if sessions and sessions[-1].started is not None else _was_closed(connection, total),
-        has_poses=connection.scalar(select(admin.c.opt_poses.is_not(None))) or False,
+        has_poses=bool(connection.scalar(select(admin.c.opt_poses.is_not(None)))) or has_changed(connection),
         first_stamp=first,
         last_stamp=last,
     )

@@ -8,13 +8,14 @@ from typing import Self
 import numpy as np
 from sqlalchemy import Connection
 
-from slam.database.admin_rows import write_grid, write_poses
+from slam.database.admin_rows import write_grid
 from slam.database.candidate_rows import insert_candidates
 from slam.database.data_rows import EncodedData, insert_data
 from slam.database.feature_rows import insert_features, rename_words
 from slam.database.frame_rows import insert_frames
 from slam.database.link_rows import insert_link, merged_marker, remove_link
 from slam.database.node_rows import first_label, insert_node, read_node_ids, update_weights
+from slam.database.pose_rows import add_poses
 from slam.database.records import NodeRecord
 from slam.database.statistics_rows import insert_statistics
 from slam.database.time_enter import keep_in_memory, now_text
@@ -100,7 +101,7 @@ def insert_record(connection: Connection, record: NodeRecord, encoded: EncodedDa
     insert_candidates(connection, node_id, record.update.candidates)
     insert_frames(connection, node.map_id, record.frames)
     if record.poses:
-        write_poses(connection, record.poses, record.update.T_map_base)
+        add_poses(connection, record.poses, record.update.T_map_base)
     if record.grid_map is not None:
         write_grid(connection, record.grid_map)
 

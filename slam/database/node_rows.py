@@ -32,8 +32,10 @@ def insert_node(connection: Connection, item: Node, label: str | None) -> None:
 def first_label(connection: Connection, map_id: int) -> str | None:
     """Label of the next node: ``map<k>`` for the first of its session, as in RTAB-Map, when that name is free."""
     label = f"map{map_id}"
-    taken = select(node.c.id).where((node.c.map_id == map_id) | (node.c.label == label)).limit(1)
-    return label if connection.execute(taken).first() is None else None
+    # Sessions follow each other: the last node tells whether this one has begun, without a look at all of them.
+    last = connection.scalar(select(node.c.map_id).order_by(node.c.id.desc()).limit(1))
+    taken = connection.execute(select(node.c.id).where(node.c.label == label).limit(1)).first()
+    return label if last != map_id and taken is None else None
 
 
 def update_weights(connection: Connection, weights: Mapping[int, int]) -> None:

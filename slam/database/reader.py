@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
-from slam.database import admin_rows, data_rows, node_rows, statistics_rows
+from slam.database import admin_rows, data_rows, node_rows, pose_rows, statistics_rows
 from slam.database.deck_reader import DeckReader
 from slam.database.feature_rows import read_features
 from slam.database.images import decode_color, decode_depth
@@ -24,7 +24,7 @@ from slam.database.schema import has_deck_tables
 from slam.database.session_rows import read_sessions
 from slam.database.tables import data
 from slam.database.time_enter import read_memory_ids
-from slam.database.word_rows import read_words
+from slam.database.word_rows import read_last_word_id, read_words
 from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.types import Features, Link, LocalGrid, OccupancyGrid, Scan
@@ -77,12 +77,12 @@ class MapReader(DeckReader):
     def poses(self) -> dict[int, Pose]:
         """Optimised poses T_map_base by node id; empty when none are stored."""
         with self._reading("reading the poses") as connection:
-            return admin_rows.read_poses(connection)
+            return pose_rows.read_poses(connection)
 
     def last_pose(self) -> Pose | None:
         """Where the robot was last, T_map_base; None when it is not stored."""
         with self._reading("reading the last pose") as connection:
-            return admin_rows.read_last(connection)
+            return pose_rows.read_last(connection)
 
     def grid(self) -> OccupancyGrid | None:
         """The global grid; None when none is stored."""
@@ -120,6 +120,11 @@ class MapReader(DeckReader):
         with self._reading(f"reading the calibration of node {node_id}") as connection:
             return data_rows.read_cameras(connection, node_id)
 
+    def first_cameras(self) -> dict[int, Camera]:
+        """The first camera of each node that has one."""
+        with self._reading("reading the calibrations") as connection:
+            return data_rows.read_first_cameras(connection)
+
     def features(self, node_id: int) -> tuple[Features, NDArray[np.int32]]:
         """Key points of a node, in the order they were written, and their word ids (N,)."""
         with self._reading(f"reading the key points of node {node_id}") as connection:
@@ -134,6 +139,11 @@ class MapReader(DeckReader):
         """The cloud of a node in its base frame; None when it has none."""
         with self._reading(f"reading the cloud of node {node_id}") as connection, _about(self.path, node_id):
             return data_rows.read_scan(connection, node_id)
+
+    def last_word_id(self) -> int:
+        """The largest id of a word, 0 when there is none."""
+        with self._reading("reading the dictionary") as connection:
+            return read_last_word_id(connection)
 
     def local_grid(self, node_id: int) -> LocalGrid | None:
         """The local grid of a node; None when it has none."""

@@ -46,7 +46,7 @@ class NodeRecord:
         weights: changed weights of older nodes.
         update: what the update did: hypotheses, candidates, tiers.
         frames: the frames tracked since the last node.
-        poses: all optimised poses T_map_base by node id.
+        poses: the optimised poses T_map_base that changed, by node id.
         merged_into: the node that this one was merged into by rehearsal.
         grid_map: the global grid, where it was made anew; None leaves the stored one.
     """

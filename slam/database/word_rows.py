@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, func, select
 
 from slam.database.feature_rows import read_descriptors
 from slam.database.insertion import insert_rows
 from slam.database.records import WordRows
 from slam.database.tables import word
+
+#: SQLite takes 32,766 values in a statement.
+_AT_ONCE = 10_000
 
 
 def insert_words(connection: Connection, words: WordRows) -> None:
@@ -25,9 +28,19 @@ def read_word_ids(connection: Connection) -> set[int]:
     return set(connection.scalars(select(word.c.id)))
 
 
+def read_last_word_id(connection: Connection) -> int:
+    """The largest id of the dictionary, 0 when it is empty."""
+    return connection.scalar(select(func.max(word.c.id))) or 0
+
+
 def read_words(connection: Connection, only: Sequence[int] | None = None) -> WordRows:
     """The whole dictionary, or those of its words that are asked for; ascending by id."""
     query = select(word.c.id, word.c.descriptor_size, word.c.descriptor).order_by(word.c.id)
-    rows = connection.execute(query if only is None else query.where(word.c.id.in_(only))).all()
+    parts = [query] if only is None else [query.where(word.c.id.in_(part)) for part in _parts(sorted(only))]
+    rows = [row for part in parts for row in connection.execute(part)]
     ids, widths, raw = zip(*rows, strict=True) if rows else ((), (), ())
     return WordRows(np.array(ids, dtype=np.int32), read_descriptors(0, widths, raw))
+
+
+def _parts(ids: Sequence[int]) -> list[Sequence[int]]:
+    return [ids[at : at + _AT_ONCE] for at in range(0, max(1, len(ids)), _AT_ONCE)]

@@ -10,7 +10,7 @@ from typing import Self
 
 from sqlalchemy import Connection
 
-from slam.database import admin_rows, node_record, session_rows, time_enter
+from slam.database import admin_rows, node_record, pose_rows, session_rows, time_enter
 from slam.database.connection import close_plainly, open_for_writing
 from slam.database.data_rows import EncodedData
 from slam.database.decision import write_decision
@@ -128,7 +128,12 @@ class MapWriter:
     def save_poses(self, poses_map_base: Mapping[int, Pose], last: Pose | None) -> None:
         """Replace the optimised poses T_map_base; ``last`` is the robot's own, None leaves the one that is stored."""
         with self._transaction("saving poses") as connection:
-            admin_rows.write_poses(connection, poses_map_base, last)
+            pose_rows.replace_poses(connection, poses_map_base, last)
+
+    def save_last_pose(self, T_map_base: Pose) -> None:
+        """Replace the pose at which the robot was last."""
+        with self._transaction("saving the last pose") as connection:
+            pose_rows.add_poses(connection, {}, T_map_base)
 
     def save_grid(self, grid: OccupancyGrid | None) -> None:
         """Replace the global grid; None removes it."""
@@ -173,6 +178,7 @@ class MapWriter:
         with self._transaction("closing the session") as connection:
             time_enter.end_memory(connection, text, ram_ids, ram_word_ids)
             session_rows.end_sessions(connection, clean=clean)
+            pose_rows.merge_poses(connection)
         self._map_id = None
 
     def close(self) -> None:
@@ -213,4 +219,5 @@ def _prepare(connection: Connection) -> KnownIds:
     with connection.begin():
         add_deck_tables(connection)
         session_rows.heal_sessions(connection)
+        pose_rows.merge_poses(connection)
         return KnownIds.read(connection)

@@ -83,6 +83,17 @@ class Dictionary:
         self._next_id = max(self._next_id, int(ids.max()) + 1)
         return renamed
 
+    def load(self, ids: NDArray[np.int32], descriptors: Descriptors, next_id: int) -> None:
+        """Takes in the words of a map file (N,), (N, B) under their own ids, into an empty dictionary.
+
+        ``next_id`` is the first id that no word of the file has, in RAM or not.
+        """
+        self._next_id = next_id
+        if len(ids):
+            index = self._index_of(descriptors)
+            index.append(index.packed(descriptors))
+            self._register(ids, 0)
+
     def use(self, ids: Iterable[int]) -> None:
         """One more node has these words."""
         for word in ids:

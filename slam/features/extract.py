@@ -12,7 +12,7 @@ from slam.features.depth import points_base
 from slam.features.feature_type import FeatureType, choose_feature_type
 from slam.features.region import Wanted
 from slam.params import Params
-from slam.types import Features, Frame
+from slam.types import Descriptors, Features, Frame
 
 
 class Extractor:
@@ -45,3 +45,9 @@ class Extractor:
             descriptors=descriptors,
             points_base=points_base(found.pixels, frame.depth_m, frame.camera, wanted),
         )
+
+
+def kind_of_words(params: Params) -> Descriptors:
+    """No descriptors (0, B), but of the type and width that ``Kp/DetectorStrategy`` makes: found by making some."""
+    noise = np.random.default_rng(0).integers(0, 256, (160, 160), np.uint8)
+    return choose_feature_type(params.Kp.DetectorStrategy).extract(noise, params.Kp, 50, params)[1][:0]

@@ -62,6 +62,15 @@ class FixedDictionary:
         fresh = np.array([w for w in np.unique(words).tolist() if w not in self._stored], np.int32)
         return words, fresh, self.descriptors(fresh)
 
+    def load(self, ids: NDArray[np.int32], descriptors: Descriptors, next_id: int) -> None:
+        """The words (N,) of a map file that a session goes on with are there already.
+
+        Raises:
+            ParameterError: they are of another dictionary.
+        """
+        del descriptors, next_id
+        self._check(ids)
+
     def restore(self, ids: NDArray[np.int32], descriptors: Descriptors, params: Params) -> dict[int, int]:
         """Words of a node that comes back are there already.
 
@@ -69,9 +78,7 @@ class FixedDictionary:
             ParameterError: they are of another dictionary.
         """
         del descriptors, params
-        unknown = [word for word in ids.tolist() if word not in self._rows]
-        if unknown:
-            raise ParameterError(f"word {unknown[0]} of the map is not in Kp/DictionaryPath: use the map's dictionary")
+        self._check(ids)
         self._stored.update(ids.tolist())
         return {word: word for word in ids.tolist()}
 
@@ -90,6 +97,11 @@ class FixedDictionary:
 
     def discard(self, ids: Iterable[int]) -> None:
         """A node with these words is not kept, nor stored: nothing changes."""
+
+    def _check(self, ids: NDArray[np.int32]) -> None:
+        unknown = [word for word in ids.tolist() if word not in self._rows]
+        if unknown:
+            raise ParameterError(f"word {unknown[0]} of the map is not in Kp/DictionaryPath: use the map's dictionary")
 
     def _nearest(self, descriptors: Descriptors) -> NDArray[np.int32]:
         if descriptors.dtype == np.float32:

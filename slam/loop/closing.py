@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from slam.errors import OptimizationError
 from slam.graph.graph import PoseGraph
 from slam.graph.verify import Closure, close_loops
@@ -24,6 +27,14 @@ class Closed:
     def optimized(self) -> bool:
         """Whether poses of older nodes moved."""
         return bool(self.links)
+
+
+def limited(candidate: Candidate, most: NDArray[np.float64]) -> Candidate:
+    """The candidate with no larger information on any axis than ``most`` (6,) (``RGBD/LoopCovLimited``)."""
+    if candidate.information is None:
+        return candidate
+    scale = np.sqrt(np.minimum(1.0, most / np.diagonal(candidate.information)))
+    return replace(candidate, information=candidate.information * np.outer(scale, scale))
 
 
 def close(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> Closed:

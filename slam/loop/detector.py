@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from slam.clock import StageClock
 from slam.graph.graph import PoseGraph
 from slam.loop.appearance import AppearanceLoops, verify
 from slam.loop.bayes import BayesFilter
+from slam.loop.epipolar import epipolar_refusal
 from slam.loop.likelihood import adjust, raw_likelihood
 from slam.loop.local_bundle import nodes_beside
 from slam.loop.proximity import nearby
 from slam.loop.proximity_scans import by_scans
 from slam.memory.memory import Memory
+from slam.memory.signature import too_few_words
 from slam.params import Params
 from slam.types import Candidate, LinkType, Node, Posterior
 
@@ -48,12 +48,14 @@ class LoopDetector:
         self._bayes = BayesFilter()
         self._appearance = AppearanceLoops()
 
-    def recognize(self, node: Node, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock) -> Belief:
-        """Belief over working memory after seeing a node."""
+    def recognize(
+        self, node: Node, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock, *, home: int = 0
+    ) -> Belief:
+        """Belief over working memory after seeing a node; ``home`` is a node of the graph that it is known to be in."""
         bag = memory.bags[node.id]
-        usual = float(np.mean([len(b.words) for b in memory.bags.values()]))
-        if len(bag.words) < params.Kp.BadSignRatio * usual:
-            return Belief(None, refused=f"{len(bag.words)} words, too few beside the usual {usual:.0f}")
+        bad = too_few_words(bag, memory, params)
+        if bad is not None:
+            return Belief(None, refused=bad.text)
         places = sorted(memory.wm)
         with clock.stage("Timing/Likelihood_computation/ms"):
             others = [memory.bags[i] for i in memory.stm]
@@ -61,17 +63,34 @@ class LoopDetector:
             likelihood, virtual = adjust(scores, params)
         with clock.stage("Timing/Posterior_computation/ms"):
             posterior = self._bayes.update(places, likelihood, virtual, graph, params)
-        connected = posterior.best_id == 0 or posterior.best_id in graph.component(node.id)
+        connected = posterior.best_id == 0 or posterior.best_id in graph.component(home or node.id)
         refusal = self._appearance.hypothesis(posterior, connected=connected, params=params)
+        if refusal is None:
+            refusal = epipolar_refusal(node, memory.nodes[posterior.best_id], params)
         if refusal is not None:
             return Belief(posterior, refused=refusal.text)
         return Belief(posterior, place=posterior.best_id)
 
     def candidates(
-        self, node: Node, belief: Belief, memory: Memory, graph: PoseGraph, params: Params, clock: StageClock
+        self,
+        node: Node,
+        belief: Belief,
+        memory: Memory,
+        graph: PoseGraph,
+        params: Params,
+        clock: StageClock,
+        *,
+        home: int = 0,
     ) -> list[Candidate]:
-        """Registers the node with the place believed in and with what is near by."""
+        """Registers the node with the place believed in and with what is near by, on paths that lead to ``home``."""
         found: list[Candidate] = []
+        if params.RGBD.ProximityByTime:
+            with clock.stage("Timing/Proximity_by_time/ms"):
+                found += [
+                    verify(node, memory.nodes[i], LinkType.LOCAL_TIME_CLOSURE, float("nan"), params)
+                    for i in memory.stm
+                    if i != node.id and i not in graph.neighbors(node.id)
+                ]
         with clock.stage("Timing/Hypotheses_validation/ms"):
             # Odometry has joined them already when the last node is in working memory (Mem/STMSize 1).
             joined = belief.place in graph.neighbors(node.id)
@@ -89,7 +108,7 @@ class LoopDetector:
         if not params.RGBD.ProximityBySpace:
             return found
         with clock.stage("Timing/Proximity_by_space/ms"):
-            for place in nearby(node.id, memory.wm, graph, belief.likelihood, params):
+            for place in nearby(node.id, memory.wm, graph, belief.likelihood, params, home=home):
                 if place != belief.place:
                     old, beside = memory.nodes[place], nodes_beside(place, memory.nodes, graph, params)
                     kind = LinkType.LOCAL_SPACE_CLOSURE

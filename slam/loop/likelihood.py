@@ -12,6 +12,8 @@ from slam.params import Params
 from slam.types import Node
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+_TABLE = 1 << 16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,17 +46,28 @@ def raw_likelihood(new: WordBag, places: Sequence[WordBag], others: Sequence[Wor
     bags = [*places, *others]
     if not places or not len(new.words):
         return np.zeros(len(places))
-    words = np.concatenate([bag.words for bag in bags])
-    table = np.zeros(int(max(words.max(initial=0), new.words.max())) + 1, np.bool_)
-    table[new.words] = True
-    asked = table[words]
-    having = np.bincount(words[asked], minlength=len(table))
-    weight = np.concatenate([bag.counts / bag.features for bag in places])
-    size = len(weight)
+    rows, asked = _occurrences(np.concatenate([bag.words for bag in bags]), new.words)
+    having = np.bincount(asked, minlength=len(new.words))
     inverse_frequency = np.log10(len(bags) / np.maximum(having, 1))
+    weight = np.concatenate([bag.counts / bag.features for bag in places])
     owner = np.repeat(np.arange(len(places)), [len(bag.words) for bag in places])
-    terms = np.where(asked[:size], weight * inverse_frequency[words[:size]], 0.0)
-    return np.bincount(owner, weights=terms, minlength=len(places)).astype(np.float64)
+    known = rows < len(weight)
+    rows, asked = rows[known], asked[known]
+    terms = weight[rows] * inverse_frequency[asked]
+    return np.bincount(owner[rows], weights=terms, minlength=len(places)).astype(np.float64)
+
+
+def _occurrences(words: Ints, asked: Ints) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where in ``words`` each of ``asked`` (ascending) occurs: rows, and which one it is.
+
+    Ids grow with the map, so that no table is made over all of them: one over their last bits leaves few to search.
+    """
+    table = np.zeros(_TABLE, np.bool_)
+    table[asked % _TABLE] = True
+    rows = np.flatnonzero(table[words % _TABLE])
+    at = np.minimum(np.searchsorted(asked, words[rows]), len(asked) - 1)
+    found = asked[at] == words[rows]
+    return rows[found], at[found]
 
 
 def adjust(scores: Array, params: Params) -> tuple[Array, float]:

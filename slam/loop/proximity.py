@@ -18,6 +18,8 @@ def nearby(
     graph: PoseGraph,
     likelihood: Mapping[int, float],
     params: Params,
+    *,
+    home: int = 0,
 ) -> list[int]:
     """Nodes of working memory to register with, at most one for each path, most likely path first.
 
@@ -26,10 +28,11 @@ def nearby(
         places: ids in working memory.
         graph: optimised poses and links.
         likelihood: id -> likelihood of this update, where known.
-        params: the Proximity parameters of RGBD are read.
+        params: the Proximity parameters of RGBD are read; the graph's depth counts only while mapping.
+        home: a node of the graph that the new one is in, where no link tells (0: the new one itself).
     """
     T_map_new = graph.poses[node_id]
-    around, paths = paths_around(node_id, places, graph, likelihood, params)
+    around, paths = paths_around(node_id, places, graph, likelihood, params, home=home)
     linked = graph.neighbors(node_id)
     chosen: list[int] = []
     for path in paths:
@@ -50,14 +53,17 @@ def paths_around(
     graph: PoseGraph,
     likelihood: Mapping[int, float],
     params: Params,
+    *,
+    home: int = 0,
 ) -> tuple[dict[int, float], list[list[int]]]:
     """Nodes of working memory around a node with their distance in metres, and the paths they lie on.
 
-    The paths are those that are tried, ``RGBD/ProximityMaxPaths`` at most, the most likely first.
+    The paths are those that are tried, ``RGBD/ProximityMaxPaths`` at most, the most likely first. ``home`` is as above.
     """
     T_map_new = graph.poses[node_id]
-    depth = params.RGBD.ProximityMaxGraphDepth
-    reachable = graph.within(node_id, depth) if depth else dict.fromkeys(graph.component(node_id), 0)
+    depth = params.RGBD.ProximityMaxGraphDepth if params.Mem.IncrementalMemory else 0
+    start = home or node_id
+    reachable = graph.within(start, depth).keys() if depth else graph.component(start)
     around = {
         place: _distance(T_map_new, graph.poses[place])
         for place in places

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,6 +55,12 @@ class GlobalGrid:
         else:
             self._touch(node_id)
 
+    def add_all(self, grids: Mapping[int, tuple[LocalGrid, Pose]]) -> None:
+        """Take in many local grids at once: id -> grid and ``T_map_base``."""
+        self._placed |= {i: _Placed(local, _planar(T), _reach(local)) for i, (local, T) in grids.items()}
+        if grids:
+            self._rebuild()
+
     def move(self, poses: Mapping[int, Pose]) -> bool:
         """Follow the optimised poses (id -> ``T_map_base``); nodes without one leave.
 
@@ -68,6 +74,24 @@ class GlobalGrid:
         self._placed = {i: replace(self._placed[i], where=to) for i, to in where.items()}
         self._rebuild()
         return True
+
+    def follow(self, poses: Mapping[int, Pose], node_ids: Iterable[int]) -> bool:
+        """Note where some nodes are now, for the next ``rebuild``; whether any is farther off than allowed."""
+        where = {i: _planar(poses[i]) for i in node_ids if i in self._placed}
+        limit = self.params.GridGlobal.UpdateError
+        if all(_travel(self._placed[i], to) <= limit for i, to in where.items()):
+            return False
+        self._placed |= {i: replace(self._placed[i], where=to) for i, to in where.items()}
+        return True
+
+    @property
+    def size(self) -> int:
+        """Number of cells in the arrays."""
+        return int(self._odds.size)
+
+    def rebuild(self) -> None:
+        """Make everything anew from the local grids."""
+        self._rebuild()
 
     def occupancy(self) -> OccupancyGrid | None:
         """The grid cropped to what is known, None when nothing is.

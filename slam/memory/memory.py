@@ -70,6 +70,13 @@ class Memory:
         while len(self.stm) > params.Mem.STMSize:
             self._enter_wm(self.stm.popleft())
 
+    def dismiss(self, node_id: int) -> None:
+        """Lets a node of STM go for good, with the words that it alone had."""
+        self.stm.remove(node_id)
+        del self.nodes[node_id], self.weights[node_id]
+        self.dictionary.release(self.bags.pop(node_id).words.tolist())
+        self._moved.pop(node_id, None)
+
     def transfer(self, ids: Iterable[int]) -> None:
         """Moves nodes from WM to LTM: features and unused words leave RAM."""
         for node_id in ids:
@@ -96,6 +103,29 @@ class Memory:
             self.ltm.remove(node_id)
             self._enter_wm(node_id)
         return found
+
+    def recall(self, outlines: Iterable[Node], in_ram: Iterable[int], words: WordRows, next_word_id: int) -> None:
+        """Starts with the nodes of a map file: ``in_ram`` come to WM, the others are in LTM.
+
+        Args:
+            outlines: all nodes, ascending, without features.
+            in_ram: ids among them.
+            words: at least those that the nodes in RAM use.
+            next_word_id: the first id that no word of the file has.
+        """
+        self._outlines = {outline.id: outline for outline in outlines}
+        self.weights = {outline.id: outline.weight for outline in self._outlines.values()}
+        nodes = [self._long_term.load(self._outlines.pop(node_id))[0] for node_id in sorted(in_ram)]
+        self.ltm = set(self._outlines)
+        self._moved = dict.fromkeys(self.ltm, Tier.LTM)
+        used = np.unique(np.concatenate([np.zeros(0, np.int32), *(node.word_ids for node in nodes)]))
+        kept = np.isin(words.ids, used)
+        self.dictionary.load(words.ids[kept], words.descriptors[kept], next_word_id)
+        for node in nodes:
+            # What is not in the file's dictionary can't be recognised: it counts as a key point that is no word.
+            known = np.isin(node.word_ids, words.ids)
+            self._admit(replace(node, word_ids=np.where(known, node.word_ids, np.minimum(node.word_ids, -1))))
+            self._enter_wm(node.id)
 
     def tier(self, node_id: int) -> Tier:
         """The memory a node is in."""

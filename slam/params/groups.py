@@ -47,19 +47,38 @@ class RtabmapGroup(Group):
     VirtualPlaceLikelihoodRatio: int = param(
         0, "Likelihood of a new place: 0 mean / deviation, 1 deviation / (max - mean).", ge=0, le=1
     )
+    StartNewMapOnGoodSignature: bool = param(
+        False, "A session begins with a node that has enough words; those before are not kept."
+    )
     SaveWMState: bool = param(True, "Store the ids in working memory with each update's statistics.")
 
 
 class MemGroup(Group):
     """Short-term, working and long-term memory."""
 
+    IncrementalMemory: bool = param(
+        True, "Map; false localises in a map that is there and leaves it as it is.", effect=_SESSION
+    )
+    LocalizationDataSaved: bool = param(
+        False, "Store what was seen while localising, as nodes that are no part of the map.", effect=_SESSION
+    )
+    LocalizationReadOnly: bool = param(False, "Localise without changing one byte of the map file.", effect=_SESSION)
     STMSize: int = param(10, "Nodes in short-term memory.", unit="nodes", ge=1)
     RehearsalSimilarity: float = param(
         0.6, "Share of common words from which a new node merges with the last one; 1 is off.", ge=0, le=1
     )
+    RehearsalWeightIgnoredWhileMoving: bool = param(
+        False, "A node that looks like the last one adds weight to it only when the robot has not moved."
+    )
+    BadSignaturesIgnored: bool = param(False, "Nodes with too few words are not kept.")
     RecentWmRatio: float = param(0.2, "Newest share of working memory that never goes to long-term memory.", ge=0, le=1)
     UseOdomFeatures: bool = param(
         True, "Make words from odometry's key points where Vis/FeatureType is Kp/DetectorStrategy."
+    )
+    InitWMWithAllNodes: bool = param(
+        False,
+        "A session that goes on with a map begins with all nodes in working memory, not only those left in RAM.",
+        effect=_SESSION,
     )
     TransferSortingByWeightId: bool = param(False, "Transfer by weight and id, whatever the time in memory.")
     ImageCompressionFormat: Literal[".jpg", ".png"] = param(".jpg", "Format of stored colour images: .jpg or .png.")
@@ -109,6 +128,15 @@ class KpGroup(Group):
     _checked_type = field_validator("DetectorStrategy")(checked_feature_type)
 
 
+class VhEpGroup(Group):
+    """Epipolar check of loop hypotheses."""
+
+    Enabled: bool = param(False, "Hypotheses must fit an epipolar geometry before they are registered.")
+    MatchCountMin: int = param(8, "Fewest common words, and inliers among them.", unit="words", ge=8)
+    RansacParam1: float = param(3.0, "Distance to the epipolar line of an inlier.", unit="px", ge=0.1)
+    RansacParam2: float = param(0.99, "Confidence at which RANSAC stops.", ge=0.5, le=0.9999)
+
+
 class BayesGroup(Group):
     """The Bayes filter over places."""
 
@@ -135,6 +163,10 @@ class RGBDGroup(Group):
 
     LinearUpdate: float = param(0.1, "Motion from which a frame becomes a node.", unit="m", ge=0)
     AngularUpdate: float = param(0.1, "Rotation from which a frame becomes a node.", unit="rad", ge=0)
+    LinearSpeedUpdate: float = param(0.0, "Frames of a faster robot become no nodes; 0 is off.", unit="m/s", ge=0)
+    AngularSpeedUpdate: float = param(
+        0.0, "Frames of a robot that turns faster become no nodes; 0 is off.", unit="rad/s", ge=0
+    )
     AggressiveLoopThr: float = param(
         0.05, "LoopThr for places not joined to the current graph yet; 1 is off.", ge=0, le=1
     )
@@ -144,8 +176,19 @@ class RGBDGroup(Group):
         unit="sigma",
         ge=0,
     )
+    StartAtOrigin: bool = param(
+        False, "Localisation starts at the first node instead of where the robot was last.", effect=_SESSION
+    )
+    MaxOdomCacheSize: int = param(
+        10, "Odometry poses that localisation fits to the map together.", unit="poses", ge=1, le=100
+    )
+    LocalizationPriorError: float = param(
+        0.001, "Standard deviation that localisation takes for the poses of the map.", unit="m, rad", ge=1e-4, le=1
+    )
     OptimizeFromGraphEnd: bool = param(False, "Hold the newest node fixed instead of the oldest.")
     MaxLoopClosureDistance: float = param(0.0, "Longest accepted loop; 0 is no limit.", unit="m", ge=0)
+    LoopCovLimited: bool = param(False, "A loop counts for no surer than the surest odometry link so far.")
+    ProximityByTime: bool = param(False, "Look for loops with the nodes in short-term memory.")
     LocalRadius: float = param(10.0, "Radius of the local map.", unit="m", ge=0)
     LocalImmunizationRatio: float = param(0.25, "Share of working memory near the robot that stays there.", ge=0, le=1)
     MaxLocalRetrieved: int = param(

@@ -22,6 +22,7 @@ class Params(BaseModel):
     Rtabmap: g.RtabmapGroup = g.RtabmapGroup()
     Mem: g.MemGroup = g.MemGroup()
     Kp: g.KpGroup = g.KpGroup()
+    VhEp: g.VhEpGroup = g.VhEpGroup()
     Bayes: g.BayesGroup = g.BayesGroup()
     RGBD: g.RGBDGroup = g.RGBDGroup()
     Reg: g.RegGroup = g.RegGroup()

@@ -71,7 +71,7 @@ def test_a_node_with_few_words_is_not_judged() -> None:
     _, belief = walk.see(2, seen_at(2)[:13])
     assert belief.posterior is None
     assert belief.place == 0
-    assert belief.refused == "13 words, too few beside the usual 28"
+    assert belief.refused == "13 words, fewer than Kp/BadSignRatio 0.5 of the usual number"
     assert belief.likelihood == {}
     assert walk.see(2, seen_at(2)[:15])[1].posterior is not None
 

@@ -7,6 +7,7 @@ import pytest
 from slam.graph.graph import PoseGraph
 from slam.memory.long_term import RamMemory
 from slam.memory.memory import Memory
+from slam.memory.places import Places
 from slam.memory.retrieval import choose_retrieval
 from slam.params import Params, Value
 from tests.nodes import add_place, at, join, random_descriptors
@@ -24,7 +25,9 @@ def away(ids: set[int], **changes: Value) -> tuple[Memory, PoseGraph, Params]:
 
 
 def chosen(memory: Memory, graph: PoseGraph, params: Params, best_id: int = 0) -> list[int]:
-    return choose_retrieval(memory, graph, node_id=30, best_id=best_id, params=params)
+    places = Places()
+    places.put(graph.poses, sorted(memory.ltm))
+    return choose_retrieval(memory, graph, places, node_id=30, best_id=best_id, params=params)
 
 
 def test_the_nearest_in_time_of_the_hypothesis_come_first() -> None:

@@ -123,6 +123,15 @@ def test_a_run_prints_one_object_and_the_same_twice(tmp_path: Path) -> None:
     assert [results[0][key] for key in same] == [results[1][key] for key in same]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.db", "b.db"]
     assert "exists already" in refusal("run", TINY, "--db", tmp_path / "a.db")
+    more = slamdeck("run", TINY, "--db", tmp_path / "a.db", "--append", "--param", "Rtabmap/DetectionRate=0")
+    assert more.returncode == 0, more.stderr
+    info = json.loads(slamdeck("info", tmp_path / "a.db", "--json").stdout)
+    assert (info["sessions"], info["nodes"]) == (2, 2 * results[0]["nodes"])
+    assert [session["nodes"] for session in info["session_list"]] == [results[0]["nodes"]] * 2
+    place = slamdeck("run", TINY, "--db", tmp_path / "a.db", "--localize", "--json")
+    assert json.loads(place.stdout)["localization"]["localized_frames"] == results[0]["frames"], place.stderr
+    assert "does not exist" in refusal("run", TINY, "--db", tmp_path / "c.db", "--localize")
+    assert "not both" in refusal("run", TINY, "--db", tmp_path / "a.db", "--append", "--overwrite")
     assert slamdeck("run", TINY, "--db", tmp_path / "a.db", "--overwrite").returncode == 0
 
 

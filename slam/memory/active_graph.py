@@ -1,0 +1,204 @@
+"""The part of the graph that is worked on: the nodes in RAM, with what lies between them condensed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from slam.geometry import Pose, adjoint, between, inverse
+from slam.graph.graph import PoseGraph
+from slam.types import Link, LinkType
+
+#: Neighbours of a node that leaves get no link over it when they are this near by other links: else each loop that
+#: ever was would leave a link behind, and the graph would grow dense.
+_NEAR = 3
+
+
+class ActiveGraph:
+    """Keeps what an update costs within bounds, however large the map: only this graph is searched and optimised.
+
+    As long as every node is in RAM it is the whole graph itself. A node that leaves is eliminated: virtual links join
+    those of its neighbours that would be far apart without it, with the transforms and covariances of the two links on
+    the way put together, and the node hangs on its nearest neighbour in time, with which it moves from then on. A node
+    that comes back gets its links again.
+
+    Attributes:
+        whole: all nodes of the map, with all their links; poses of nodes in RAM are always up to date.
+        graph: nodes in RAM, their links, and virtual ones over what is not in RAM.
+    """
+
+    def __init__(self, whole: PoseGraph) -> None:
+        self.whole = whole
+        self.graph = whole
+        self._hangs: dict[int, tuple[int, Pose]] = {}
+        # Links that a node had when it left, each with the absent node that it stood for (0: a real link).
+        self._had: dict[int, list[tuple[Link, int]]] = {}
+        # Virtual links in the graph, and the absent node that each stands for.
+        self._over: dict[Link, int] = {}
+        self._stale = False
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every node of the map is in it."""
+        return self.graph is self.whole
+
+    def restrict(self, node_ids: Iterable[int]) -> None:
+        """Makes it anew from the whole graph, without these nodes."""
+        self.graph, self._hangs, self._had, self._over, self._stale = self.whole, {}, {}, {}, False
+        self.leave(sorted(node_ids))
+
+    def add_node(self, node_id: int, map_id: int, T_odom_base: Pose, T_map_base: Pose) -> None:
+        """A new node."""
+        self.whole.add_node(node_id, map_id, T_odom_base, T_map_base)
+        if not self.is_whole:
+            self.graph.add_node(node_id, map_id, T_odom_base, T_map_base)
+
+    def remove_node(self, node_id: int) -> None:
+        """Takes out a node in RAM."""
+        self.whole.remove_node(node_id)
+        if not self.is_whole:
+            self.graph.remove_node(node_id)
+
+    def add_link(self, link: Link) -> None:
+        """A new link of nodes in RAM."""
+        self.whole.add_link(link)
+        if not self.is_whole:
+            self.graph.add_link(link)
+
+    def add_constraint(self, link: Link) -> None:
+        """A new prior or gravity of a node in RAM."""
+        self.whole.add_constraint(link)
+        if not self.is_whole:
+            self.graph.add_constraint(link)
+
+    def place(self, node_id: int, T_map_base: Pose) -> None:
+        """A node in RAM lies elsewhere."""
+        self.whole.poses[node_id] = T_map_base
+        self.graph.poses[node_id] = T_map_base
+
+    def closed(self, links: Iterable[Link]) -> None:
+        """Loop links were added to ``graph``, which was optimised with them: the whole graph gets both."""
+        if self.is_whole:
+            return
+        for link in links:
+            self.whole.add_link(link)
+        self.whole.poses.update(self.graph.poses)
+        self._stale = True
+
+    def leave(self, node_ids: Iterable[int]) -> None:
+        """Nodes go to long-term memory."""
+        ids = [node_id for node_id in node_ids if node_id in self.graph]
+        if ids and self.is_whole:
+            self.graph = _copy(self.whole)
+        for node_id in ids:
+            self._eliminate(node_id)
+
+    def come_back(self, node_ids: Iterable[int]) -> None:
+        """Nodes come from long-term memory."""
+        for node_id in node_ids:
+            if node_id in self.graph:
+                continue
+            T_map_base = self._resolved(node_id)
+            self.whole.poses[node_id] = T_map_base
+            held = self._hangs.pop(node_id, None)
+            self.graph.add_node(node_id, self.whole.map_ids[node_id], self.whole.T_odom[node_id], T_map_base)
+            self._restore(node_id)
+            if held is not None and not self.graph.neighbors(node_id) and self.whole.neighbors(node_id):
+                self._tie(node_id, held[0])
+
+    def follow(self) -> list[int]:
+        """Moves the nodes in long-term memory with those that they hang on; the ids of all that hang."""
+        if not self._stale:
+            return []
+        for node_id in self._hangs:
+            self.whole.poses[node_id] = self._resolved(node_id)
+        self._stale = False
+        return list(self._hangs)
+
+    def _eliminate(self, node_id: int) -> None:
+        links = dict(self.graph.neighbors(node_id))
+        pose = self.graph.poses[node_id]
+        near = sorted(links, key=lambda i: (abs(i - node_id), i))
+        if near:
+            self._hangs[node_id] = near[0], between(self.graph.poses[near[0]], pose)
+        self._had[node_id] = [(link, self._over.pop(link, 0)) for link in links.values()]
+        self.graph.remove_node(node_id)
+        for a, b in zip(sorted(links), sorted(links)[1:], strict=False):
+            if b not in self.graph.within(a, _NEAR):
+                self._bridge(_composed(links[a], links[b], a, node_id, b), node_id)
+
+    def _restore(self, node_id: int) -> None:
+        """The links of a node that came back, those that it had when it left and its real ones, and none over it."""
+        for link in [link for link, middle in self._over.items() if middle == node_id]:
+            del self._over[link]
+            self.graph.remove_link(link.pair)
+        for link, middle in self._had.pop(node_id, []):
+            if self._fits(link) and middle not in self.graph:
+                self._bridge(link, middle)
+        for link in self.whole.neighbors(node_id).values():
+            if self._fits(link):
+                self.graph.add_link(link)
+        for (from_id, _, _), link in self.whole.constraints.items():
+            if from_id == node_id:
+                self.graph.add_constraint(link)
+
+    def _fits(self, link: Link) -> bool:
+        return self.graph.has(*link.pair) and link.pair not in self.graph.links
+
+    def _bridge(self, link: Link, middle: int) -> None:
+        """Adds a link that stands for an absent node (0: a real link)."""
+        self.graph.add_link(link)
+        if middle:
+            self._over[link] = middle
+
+    def _tie(self, node_id: int, other: int) -> None:
+        """Joins a node with the one in RAM that it hung on, as sure as a link that bridges the whole gap can be."""
+        while other not in self.graph:
+            if other not in self._hangs:
+                return
+            other = self._hangs[other][0]
+        T = between(self.graph.poses[node_id], self.graph.poses[other])
+        gap = max(1, abs(node_id - other))
+        absent, sample = next(iter(self.whole.neighbors(node_id).items()))
+        self._bridge(Link(node_id, other, LinkType.VIRTUAL_CLOSURE, T, sample.information / gap), absent)
+
+    def _resolved(self, node_id: int) -> Pose:
+        """Pose of a node by what it hangs on, over any number of others; the way is shorter the next time."""
+        if node_id in self.graph:
+            return self.graph.poses[node_id]
+        way, at = [], node_id
+        while at not in self.graph and at in self._hangs:
+            way.append(at)
+            at = self._hangs[at][0]
+        pose = self.graph.poses[at] if at in self.graph else self.whole.poses[at]
+        T_end_at: Pose = np.eye(4)
+        for step in reversed(way):
+            T_end_at = T_end_at @ self._hangs[step][1]
+            self._hangs[step] = at, T_end_at
+        return np.asarray(pose @ T_end_at)
+
+
+def _composed(first: Link, second: Link, a: int, middle: int, b: int) -> Link:
+    """The link from a to b over a node between: transforms one after the other, covariances added at the end."""
+    T_a_middle, T_middle_b = _directed(first, a), _directed(second, middle)
+    turn = adjoint(inverse(T_middle_b))
+    covariance = turn @ np.linalg.inv(first.information) @ turn.T + np.linalg.inv(second.information)
+    information = np.linalg.inv(covariance)
+    return Link(a, b, LinkType.VIRTUAL_CLOSURE, T_a_middle @ T_middle_b, 0.5 * (information + information.T))
+
+
+def _directed(link: Link, from_id: int) -> Pose:
+    assert link.T_from_to is not None
+    return link.T_from_to if link.from_id == from_id else inverse(link.T_from_to)
+
+
+def _copy(graph: PoseGraph) -> PoseGraph:
+    copy = PoseGraph()
+    for node_id, T_odom_base in graph.T_odom.items():
+        copy.add_node(node_id, graph.map_ids[node_id], T_odom_base, graph.poses[node_id])
+    for link in graph.links.values():
+        copy.add_link(link)
+    for link in graph.constraints.values():
+        copy.add_constraint(link)
+    return copy

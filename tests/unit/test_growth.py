@@ -1,0 +1,72 @@
+"""A large map with little memory: what an update works on stays small, and places that left RAM are recognised."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from slam.geometry import between, translation_norm
+from slam.params import Params
+from slam.run import ate_rmse_m
+from slam.slam import Slam
+from slam.types import Update
+from tests.ghosts import GhostOdometry, GhostWorld
+
+PLACES, ROOM, FRAMES = 60, 24, 140
+PARAMS = Params().changed({"Rtabmap/DetectionRate": 0.0, "RGBD/CreateOccupancyGrid": False})
+
+
+@cache
+def laps(room: int) -> tuple[Slam, tuple[Update, ...]]:
+    """More than two laps of a street of 60 places, with this much room in working memory."""
+    world = GhostWorld(PLACES)
+    slam = Slam(PARAMS.changed({"Rtabmap/MemoryThr": room}))
+    slam._odometry = GhostOdometry(world)  # type: ignore[assignment]
+    return slam, tuple(slam.process(frame) for frame in world.frames(FRAMES))
+
+
+def is_true(from_id: int, to_id: int) -> bool:
+    """Whether two nodes are at the same place or one of the next two."""
+    apart = (from_id - to_id) % PLACES
+    return min(apart, PLACES - apart) <= 2
+
+
+def joined(updates: tuple[Update, ...]) -> list[tuple[int, int]]:
+    """The pairs of nodes of accepted loops."""
+    return [(c.from_id, c.to_id) for update in updates for c in update.candidates if c.refusal is None]
+
+
+def test_what_is_worked_on_does_not_grow_with_the_map() -> None:
+    slam, updates = laps(ROOM)
+    for update in updates[60:]:
+        assert update.statistics["Memory/Local_graph_size/"] < 2 * ROOM
+    assert len(slam.graph) == FRAMES
+    assert len(slam._active.graph.links) < 3 * (ROOM + 11)
+
+
+def test_no_true_loop_is_lost_that_retrieval_should_have_saved() -> None:
+    everything, little = joined(laps(0)[1]), joined(laps(ROOM)[1])
+    assert all(is_true(*pair) for pair in everything + little)
+    again = {new for new, _ in everything}
+    assert len(again) > 0.85 * (FRAMES - PLACES)
+    assert len(again - {new for new, _ in little}) <= 0.05 * len(again)
+
+
+def test_poses_are_as_good_with_little_memory() -> None:
+    slam, _ = laps(ROOM)
+    slam._active.follow()
+    error, best = ate_rmse_m(slam), ate_rmse_m(laps(0)[0])
+    assert error is not None
+    assert best is not None
+    assert error < 1.5 * best + 0.02
+
+
+def test_links_join_places_that_are_one() -> None:
+    slam, _ = laps(ROOM)
+    world = GhostWorld(PLACES)
+    for link in slam.graph.links.values():
+        true = between(world.T_world_base(link.from_id - 1), world.T_world_base(link.to_id - 1))
+        assert link.T_from_to is not None
+        assert translation_norm(between(true, link.T_from_to)) < 0.3
+    assert np.isfinite(list(slam.graph.poses.values())).all()
