@@ -28,8 +28,9 @@ class ActiveGraph:
     """Keeps what an update costs within bounds, however large the map: only this graph is searched and optimised.
 
     As long as every node is in RAM it is the whole graph itself. A node that leaves is eliminated: virtual links join
-    those of its neighbours that would be far apart without it, with the transforms and covariances of the two links on the way put together, and the node hangs on
-    its nearest neighbour in time, with which it moves from then on. A node that comes back gets its links again.
+    those of its neighbours that would be far apart without it, with the transforms and covariances of the two links on
+    the way put together, and the node hangs on its nearest neighbour in time, with which it moves from then on. A node
+    that comes back gets its links again.
 
     Attributes:
         whole: all nodes of the map, with all their links; poses of nodes in RAM are always up to date.
