@@ -143,12 +143,14 @@ class Slam:
 
     def close(self) -> None:
         """Ends the session in order: all that is tracked is stored, the file is one plain file again."""
+        self._settle()
         if self._writer is None:
             return
         self._writer.add_frames(self._unwritten)
         self._unwritten = []
         self._writer.update_nodes(self._weights)
-        self._settle(self._writer)
+        self._writer.save_poses(self.graph.poses, None)
+        self._writer.save_grid(self._grid.occupancy())
         self._writer.close_session(
             ram_ids=self._wm_ids(), ram_word_ids=self.memory.dictionary.ids(), params=self.params, clean=True
         )
@@ -349,15 +351,13 @@ class Slam:
             self._places.put(self.graph.poses, (i for i in followed if i in self.memory.ltm))
             self._moved.update(followed)
 
-    def _settle(self, writer: MapWriter) -> None:
+    def _settle(self) -> None:
         """What was put off to keep updates short is done: the whole graph fits together, and the grid follows it."""
         if not self._active.is_whole:
             self._active.follow()
             with suppress(OptimizationError):
                 self.graph.poses = optimize(self.graph, self.params).poses
-            writer.save_poses(self.graph.poses, None)
         self._grid.move(self.graph.poses)
-        writer.save_grid(self._grid.occupancy())
 
     def _retrieve(self, node: Node, belief: Belief) -> list[int]:
         chosen = choose_retrieval(

@@ -19,7 +19,9 @@ def twice(request: pytest.FixtureRequest) -> tuple[Slam, list[Update], Slam, lis
     stored = mapped(request.param)
     params = EVERY.changed({"Rtabmap/MemoryThr": request.param})
     slam = Slam(params, seed=3)
-    return stored.slam, list(stored.updates), slam, fed(slam, sparse())
+    updates = fed(slam, sparse())
+    slam.close()
+    return stored.slam, list(stored.updates), slam, updates
 
 
 def same(a: Any, b: Any) -> bool:
