@@ -5,16 +5,18 @@ from __future__ import annotations
 import resource
 import sys
 import time
-from collections import Counter
-from collections.abc import Callable
+from collections import Counter, deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from slam.errors import SourceError
 from slam.sensors import Source
 from slam.slam import Slam
-from slam.types import LinkType, Update
+from slam.types import Frame, LinkType, Update
 
 OnUpdate = Callable[[Update], None]
 
@@ -75,10 +77,39 @@ class Tally:
         }
 
 
+def prepared(source: Source, slam: Slam) -> Iterator[Frame]:
+    """Frames of a source, each prepared by a second thread while the one before is processed.
+
+    A frame that can't be read raises in its turn. A live source's frames come as they are: waiting for the next one
+    would make each late.
+    """
+    if source.live:
+        yield from source
+        return
+    worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="features")
+    frames, waiting, failure = iter(source), deque[tuple[Frame, Future[None]]](), None
+    try:
+        while failure is None:
+            try:
+                frame = next(frames)
+            except (StopIteration, SourceError) as end:
+                failure = end
+            else:
+                waiting.append((frame, worker.submit(slam.prepare, frame)))
+            while len(waiting) > (1 if failure is None else 0):
+                ready, done = waiting.popleft()
+                done.result()
+                yield ready
+    finally:
+        worker.shutdown(wait=True, cancel_futures=True)
+    if isinstance(failure, SourceError):
+        raise failure
+
+
 def run(source: Source, slam: Slam, on_update: OnUpdate) -> Tally:
     """Processes every frame of a source; ``on_update`` is called after each."""
     tally = Tally()
-    for frame in source:
+    for frame in prepared(source, slam):
         update = slam.process(frame)
         tally.add(update)
         on_update(update)

@@ -103,6 +103,10 @@ class Slam:
         self._surest = np.zeros(6)
         self._travelled_m = 0.0
 
+    def prepare(self, frame: Frame) -> None:
+        """May be called, from one other thread, with a frame that is processed soon: that is then done sooner."""
+        self._odometry.prepare(frame, self.params)
+
     def process(self, frame: Frame) -> Update:
         """Tracks a frame and, where it is due and somewhere new, makes it a node of the map."""
         odometry = self._odometry.track(frame, self.params)

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from server.engine.mapping import engine_on_map
 from slam.errors import SlamError, SourceError
 from slam.params import Params, Value
-from slam.run import Tally
+from slam.run import Tally, prepared
 from slam.sensors import Source, open_source
 from slam.slam import Slam
 from slam.types import Frame, Update
@@ -49,7 +49,7 @@ def plain_run(
 def _read(source: Source, slam: Slam, path: Path) -> Iterator[Frame]:
     """Frames of a source; one that can't be read ends the run, and what is mapped stays."""
     try:
-        yield from source
+        yield from prepared(source, slam)
     except SourceError as error:
         raise SourceError(f"{error}; {_held(slam, path)}") from error
 

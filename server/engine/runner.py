@@ -16,7 +16,7 @@ from slam.database import MapReader, MapWriter
 from slam.errors import ParameterError, SlamError
 from slam.params import Params
 from slam.review import Review
-from slam.run import Tally, ate_rmse_m
+from slam.run import Tally, ate_rmse_m, prepared
 from slam.sensors import open_source
 from slam.slam import Slam
 from slam.types import Frame, Update
@@ -54,7 +54,7 @@ class Runner:
                 raise ParameterError("Mem/LocalizationReadOnly=true: decisions need a file that may be written")
             self._review = self._make_review(slam, writer)
             self._channel.send(Started(source.name, None if source.live else len(source), dict(params.items())))
-            for frame in source:
+            for frame in prepared(source, slam):
                 self._attend(slam, frame)
                 if self._stopping:
                     break

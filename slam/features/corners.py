@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def local_maxima(
     strength: NDArray[np.float32], threshold: float, border: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
@@ -39,7 +39,7 @@ def local_maxima(
     return pixels[:count].copy(), found
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def spread(
     pixels: NDArray[np.int32], order: NDArray[np.int64], shape: tuple[int, int], min_distance: float, limit: int
 ) -> NDArray[np.int64]:
@@ -75,7 +75,7 @@ def spread(
     return chosen[:count].copy()
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def refine(strength: NDArray[np.float32], pixels: NDArray[np.int32]) -> NDArray[np.float32]:
     """Sub-pixel positions (N, 2): the peak of the parabola through three neighbours, along x and along y."""
     refined = np.empty((pixels.shape[0], 2), np.float32)

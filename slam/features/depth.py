@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from slam.camera import Camera
@@ -10,7 +11,7 @@ from slam.features.region import Wanted
 from slam.geometry import transform
 
 #: A depth is trusted when its 3x3 neighbourhood spreads less than this share of it.
-_FLAT = 0.05
+_FLAT = np.float32(0.05)
 
 
 def points_base(
@@ -30,15 +31,25 @@ def depth_at(depth_m: NDArray[np.float32], pixels: NDArray[np.floating], wanted:
     return np.where(good, depth, np.nan)
 
 
+@njit(cache=True, nogil=True)
 def _sample(depth_m: NDArray[np.float32], pixels: NDArray[np.floating]) -> NDArray[np.float64]:
     """Depth (N,) at or next to each pixel; 0 where it is unknown or changes too fast to be trusted."""
     height, width = depth_m.shape
-    x = np.clip(np.rint(pixels[:, 0]).astype(np.int32), 1, width - 2)
-    y = np.clip(np.rint(pixels[:, 1]).astype(np.int32), 1, height - 2)
-    patch = np.stack([depth_m[y + dy, x + dx] for dy in (-1, 0, 1) for dx in (-1, 0, 1)])
-    patch[patch <= 0] = np.nan
-    known = np.isfinite(patch).sum(axis=0)
-    patch[:, known == 0] = 0.0
-    middle = np.where(np.isfinite(patch[4]), patch[4], np.nanmedian(patch, axis=0))
-    flat = np.nanmax(patch, axis=0) - np.nanmin(patch, axis=0) <= _FLAT * middle
-    return np.where(flat & (known > 0), middle, 0.0).astype(np.float64)
+    found = np.zeros(len(pixels))
+    known = np.empty(9, np.float32)
+    for i in range(len(pixels)):
+        x = min(max(int(np.rint(pixels[i, 0])), 1), width - 2)
+        y = min(max(int(np.rint(pixels[i, 1])), 1), height - 2)
+        count = 0
+        for v in range(y - 1, y + 2):
+            for u in range(x - 1, x + 2):
+                if depth_m[v, u] > 0:
+                    known[count] = depth_m[v, u]
+                    count += 1
+        if count == 0:
+            continue
+        patch = known[:count]
+        middle = depth_m[y, x] if depth_m[y, x] > 0 else np.float32(np.median(patch))
+        if patch.max() - patch.min() <= _FLAT * middle:
+            found[i] = middle
+    return found

@@ -34,13 +34,13 @@ def blobs(gray: NDArray[np.uint8], *, octaves: int, layers: int, threshold: floa
     return found
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _box(integral: Floats, y: int, x: int, height: int, width: int) -> float:
     """Sum of the pixels from (y, x) on."""
     return float(integral[y + height, x + width] - integral[y, x + width] - integral[y + height, x] + integral[y, x])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _second_derivatives(integral: Floats, y: int, x: int, lobe: int) -> tuple[float, float, float]:
     """Second derivatives along x, along y and mixed, at a pixel; the filter's side is three lobes."""
     half, long = lobe // 2, 2 * lobe - 1
@@ -61,7 +61,7 @@ def _second_derivatives(integral: Floats, y: int, x: int, lobe: int) -> tuple[fl
     return across / area, down / area, mixed / float(lobe * lobe)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _determinants(integral: Floats, lobe: int, step: int) -> NDArray[np.float32]:
     """Determinant at every ``step``-th pixel; 0 where the filter does not fit."""
     height, width = integral.shape[0] - 1, integral.shape[1] - 1
@@ -79,14 +79,14 @@ def _determinants(integral: Floats, lobe: int, step: int) -> NDArray[np.float32]
     return found
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _peak(before: float, middle: float, after: float) -> float:
     """Where a parabola through three values has its top, -0.5 to 0.5 of their distance."""
     curvature = before - 2.0 * middle + after
     return min(0.5, max(-0.5, 0.5 * (before - after) / curvature)) if curvature < 0.0 else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _maxima(stack: NDArray[np.float32], step: int, first: float, growth: float, threshold: float) -> Floats:
     """Determinants that beat their 26 neighbours, placed by parabolas; ``first`` side grows by ``growth``."""
     layers, height, width = stack.shape
@@ -106,7 +106,7 @@ def _maxima(stack: NDArray[np.float32], step: int, first: float, growth: float, 
     return found[:count].copy()
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _laplacian_signs(integral: Floats, found: Floats) -> Floats:
     """1 for dark blobs, -1 for bright ones."""
     signs = np.empty(len(found))

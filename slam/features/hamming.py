@@ -34,7 +34,7 @@ def pack(descriptors: NDArray[np.uint8]) -> NDArray[np.uint64]:
     return np.ascontiguousarray(descriptors).view(np.uint64)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def distance(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> int:
     """Hamming distance of two packed descriptors."""
     total = 0

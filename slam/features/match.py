@@ -94,7 +94,7 @@ def _grid(pixels: NDArray[np.float32], cell: float) -> tuple[NDArray[np.int32], 
     return order, starts, (rows, cols)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _match_near(
     predicted: NDArray[np.float32],
     words_from: NDArray[Any],
@@ -136,7 +136,7 @@ def _match_near(
     return _pairs(owner, len(predicted))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _match_all(
     words_from: NDArray[Any], words_to: NDArray[Any], ratio: float, far: float, limits: NDArray[Any]
 ) -> NDArray[np.int32]:
@@ -161,7 +161,7 @@ def _match_all(
     return _pairs(owner, len(words_from))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _pairs(owner: NDArray[np.int32], count: int) -> NDArray[np.int32]:
     """(K, 2) rows (from, to) of ``owner[to] = from``, ascending in from."""
     to_of = np.full(count, -1, np.int32)

@@ -96,7 +96,7 @@ def _split_fullest(cells: NDArray[np.int64], finer: NDArray[np.int64], limit: in
     return np.where(split[cell], finer, -1 - cell)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _centroid_angles(image: NDArray[np.uint8], pixels: NDArray[np.int32], radius: int) -> NDArray[np.float32]:
     """Degrees from the middle of each disc to its centre of brightness (Rosin 1999), 0 to 360."""
     height, width = image.shape

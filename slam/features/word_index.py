@@ -103,7 +103,7 @@ class WordIndex:
             self._stamps = np.pad(self._stamps, (0, more))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _key(descriptor: Words, bits: Ints) -> int:
     key = 0
     for b in bits:
@@ -111,7 +111,7 @@ def _key(descriptor: Words, bits: Ints) -> int:
     return key
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _insert(
     descriptor: Words, row: int, words: Words, alive: NDArray[np.bool_], chain: Ints, heads: Ints, bits: Ints
 ) -> None:
@@ -123,7 +123,7 @@ def _insert(
         heads[table, key] = row
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _insert_all(
     descriptors: Words, first: int, words: Words, alive: NDArray[np.bool_], chain: Ints, heads: Ints, bits: Ints
 ) -> None:
@@ -131,7 +131,7 @@ def _insert_all(
         _insert(descriptors[k], first + k, words, alive, chain, heads, bits)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _assign(
     descriptors: Words,
     words: Words,

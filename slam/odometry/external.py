@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from slam.features.extract import Extractor
+from slam.features.prepared import PreparedExtractor
 from slam.geometry import Array, Pose
 from slam.params import Params
 from slam.types import UNKNOWN_VARIANCE, ExternalOdometry, Features, Frame, Odometry, Refusal
@@ -18,13 +18,17 @@ class External:
     """Takes each frame's external pose as it is (``Odom/External`` 2); images serve loop closures only."""
 
     def __init__(self) -> None:
-        self._extractor = Extractor()
+        self._extractor = PreparedExtractor()
         self._last: ExternalOdometry | None = None
+
+    def prepare(self, frame: Frame, params: Params) -> None:
+        """Extracts the features of a frame that is tracked soon; from another thread."""
+        self._extractor.prepare(frame, params)
 
     def track(self, frame: Frame, params: Params) -> Odometry:
         """The external pose, with the covariance of the motion since the last one; lost where there is none."""
-        start = time.perf_counter()
-        features = self._extractor.extract(frame, params)
+        found = self._extractor.extract(frame, params)
+        start, features = time.perf_counter() - found.time_ms * 1e-3, found.features
         given, last = frame.external, self._last
         if given is None:
             text = "no external odometry at this stamp: Odom/External 2 needs odometry.txt or wheels.txt"

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
-from slam.features.extract import Extractor
 from slam.features.match import match_all, match_near
+from slam.features.prepared import PreparedExtractor
 from slam.geometry import Array, Pose, between, flattened, inverse, se3_log, transform
 from slam.odometry.kalman import VelocityFilter
 from slam.odometry.local_map import LocalMap
@@ -44,7 +44,7 @@ class FrameToMap:
 
     def __init__(self, local_map: LocalMap) -> None:
         """Tracks against an empty map, which decides what of a key frame it keeps."""
-        self._extractor = Extractor()
+        self._extractor = PreparedExtractor()
         self._map = local_map
         self._filter = VelocityFilter()
         self._external: ExternalOdometry | None = None
@@ -57,10 +57,16 @@ class FrameToMap:
         self._begun = False
         self._lost_frames = 0
 
+    def prepare(self, frame: Frame, params: Params) -> None:
+        """Extracts the features of a frame that is tracked soon; from another thread."""
+        self._extractor.prepare(frame, params)
+
     def track(self, frame: Frame, params: Params) -> Odometry:
         """Pose of a frame in the odometry frame, or why there is none."""
-        start = time.perf_counter()
-        features = self._extractor.extract(frame, params)
+        found = self._extractor.extract(frame, params)
+        # Wherever the features were extracted, they are part of what odometry takes.
+        start = time.perf_counter() - found.time_ms * 1e-3
+        features = found.features
         self._frame += 1
         if len(self._map) == 0:
             return self._begin(frame, features, params, start)

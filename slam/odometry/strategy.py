@@ -17,6 +17,10 @@ _ALONE = 2
 class Tracker(Protocol):
     """Gives each frame a pose in the odometry frame."""
 
+    def prepare(self, frame: Frame, params: Params) -> None:
+        """May be called, from another thread, with a frame that is tracked soon."""
+        ...
+
     def track(self, frame: Frame, params: Params) -> Odometry:
         """Pose of a frame, or why there is none."""
         ...

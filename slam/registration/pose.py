@@ -49,7 +49,7 @@ def refine_pose(
     return normalized(T), inliers
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def residual(
     R: Array, t: Array, point: Array, u: float, v: float, w: float, intrinsics: Array, r: Array, p: Array
 ) -> float:
@@ -65,7 +65,7 @@ def residual(
     return chi2
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def jacobian(p: Array, has_depth: bool, intrinsics: Array, J: Array) -> None:
     """Fills J (3, 3), the derivative of the predicted measurement by the point in the camera frame."""
     z = 1.0 / p[2]
@@ -80,7 +80,7 @@ def jacobian(p: Array, has_depth: bool, intrinsics: Array, J: Array) -> None:
     J[2, 2] = -z * z / SIGMA_INVERSE_DEPTH if has_depth else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def pose_jacobian(J: Array, p: Array, G: Array) -> None:
     """Fills G (3, 6) = J [I | -hat(p)], the derivative by the pose's tangent."""
     for i in range(3):
@@ -90,7 +90,7 @@ def pose_jacobian(J: Array, p: Array, G: Array) -> None:
         G[i, 5] = J[i, 1] * p[0] - J[i, 0] * p[1]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def apply_tangent(R: Array, t: Array, tangent: Array) -> None:
     """(R, t) <- exp(tangent) (R, t), in place."""
     wx, wy, wz = tangent[3], tangent[4], tangent[5]
@@ -109,12 +109,12 @@ def apply_tangent(R: Array, t: Array, tangent: Array) -> None:
     t[:] = E @ t + V @ tangent[:3]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _limit(w: float) -> float:
     return CHI2_PIXEL if np.isnan(w) else CHI2_DEPTH
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _cost(
     R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, used: NDArray[np.bool_]
 ) -> float:
@@ -132,7 +132,7 @@ def _cost(
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _normal_equations(
     R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, used: NDArray[np.bool_]
 ) -> tuple[Array, Array]:
@@ -157,7 +157,7 @@ def _normal_equations(
     return H, b
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _descend(
     R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, used: NDArray[np.bool_]
 ) -> tuple[Array, Array]:
@@ -187,7 +187,7 @@ def _descend(
     return R, t
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _refine(
     R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, rounds: int
 ) -> tuple[Array, NDArray[np.bool_]]:
