@@ -106,7 +106,7 @@ class FrameToMap:
     def _register(self, frame: Frame, features: Features, guess: Pose, params: Params) -> _Track:
         """Guided matching around the guess, then once more, nearer, around the pose found."""
         view = self._straighten(frame, features, self._twist_cam, params)
-        track = self._near(view, frame.camera, guess, float(params.Vis.CorGuessWinSize), params)
+        track = self._near(view, frame.camera, guess, float(params.Vis.CorGuessWinSize), params, rounds=1)
         if track.agreed < params.Vis.MinInliers:
             return track
         twist_cam = self._twist(frame, track.T_odom_base)
@@ -122,7 +122,9 @@ class FrameToMap:
             return track
         return self._near(view, camera, track.T_odom_base, _NARROW_PX, params)
 
-    def _near(self, view: View, camera: Camera, T_odom_base: Pose, radius: float, params: Params) -> _Track:
+    def _near(
+        self, view: View, camera: Camera, T_odom_base: Pose, radius: float, params: Params, *, rounds: int = 3
+    ) -> _Track:
         """Matches within ``radius`` pixels of where the points should be, and the pose they give."""
         points_cam = transform(inverse(T_odom_base @ camera.T_base_cam), self._map.points_odom)
         predicted = camera.project(points_cam)
@@ -136,10 +138,16 @@ class FrameToMap:
             radius=radius,
             ratio=params.Vis.CorNNDR,
         )
-        return self._solve(view, matches, camera, T_odom_base, params)
+        return self._solve(view, matches, camera, T_odom_base, params, rounds)
 
     def _solve(
-        self, view: View, matches: NDArray[np.int32], camera: Camera, guess: Pose | None, params: Params
+        self,
+        view: View,
+        matches: NDArray[np.int32],
+        camera: Camera,
+        guess: Pose | None,
+        params: Params,
+        rounds: int = 3,
     ) -> _Track:
         if len(matches) < params.Vis.MinInliers:
             return _Track(self._T_odom_base, view, matches, np.zeros(len(matches), np.bool_))
@@ -150,6 +158,7 @@ class FrameToMap:
             camera,
             params,
             T_ref_base=guess,
+            rounds=rounds,
         )
         return _Track(T_odom_base, view, matches, inliers)
 

@@ -14,6 +14,8 @@ from slam.registration.pose import refine_pose
 Array = NDArray[np.float64]
 #: A first guess that explains this share of the matches makes RANSAC needless.
 _GUESS_SUFFICES = 0.5
+#: So does one that explains as many as this, however many wrong matches a wide search has brought.
+_PLENTY = 100
 #: Converts a squared median deviation to a variance (1.4826 squared, Rousseeuw and Croux 1993).
 _MEDIAN_TO_VARIANCE = 2.1981
 #: With fewer depths than this the view's own points are guessed, by lengthening their rays from the other's.
@@ -33,6 +35,7 @@ def solve_pnp(
     params: Params,
     *,
     T_ref_base: Pose | None,
+    rounds: int = 3,
 ) -> tuple[Pose, NDArray[np.bool_]]:
     """Pose ``T_ref_base`` of the view that sees ``points_ref`` at ``pixels``, and which matches agree.
 
@@ -43,6 +46,7 @@ def solve_pnp(
         camera: of the view.
         params: Vis/Iterations and Vis/PnPReprojError are read.
         T_ref_base: a first guess, if there is one.
+        rounds: how often a refinement chooses outliers anew.
 
     Returns:
         The pose and the inliers (N,); without any pose found, the guess (or identity) and no inliers.
@@ -55,9 +59,9 @@ def solve_pnp(
     best, inliers = (np.eye(4) if T_ref_base is None else T_ref_base), none
     if T_ref_base is not None:
         T_cam_ref = T_cam_base @ inverse(T_ref_base)
-        T_cam_ref, inliers = refine_pose(T_cam_ref, points_ref, pixels64, inverse_depth, intrinsics)
+        T_cam_ref, inliers = refine_pose(T_cam_ref, points_ref, pixels64, inverse_depth, intrinsics, rounds=rounds)
         best = inverse(T_cam_ref) @ T_cam_base
-    if inliers.mean() < _GUESS_SUFFICES:
+    if inliers.sum() < min(_GUESS_SUFFICES * len(inliers), _PLENTY):
         found = _ransac(points_ref, pixels64, camera, params)
         if found is not None:
             T_cam_ref, agreed = refine_pose(found, points_ref, pixels64, inverse_depth, intrinsics)
