@@ -10,12 +10,14 @@ import os
 import subprocess
 import sys
 import tempfile
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from slam.database import MapWriter
+from slam.odometry.strategy import make_tracker
 from slam.params import Params
 from slam.run import run
 from slam.sensors import open_source
@@ -25,6 +27,8 @@ from slam.types import Update
 SEQUENCES = ("tum_fr1_xyz_excerpt", "toyroom", "hololens_tour")
 #: Updates whose working memory lies within count as those of 300 nodes.
 _AROUND_300 = (270, 330)
+#: Frames by which odometry is timed alone.
+_ALONE = 100
 _ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -55,9 +59,17 @@ def main() -> None:
         slam.close()
         summary = tally.summary(slam, seed=0, path=path)
     summary["peak_rss_mb"] = _peak_mb() or summary["peak_rss_mb"]
+    summary["odometry_alone_ms"] = _odometry_alone_ms(source, params)
     around = [ms for size, ms in times if _AROUND_300[0] <= size <= _AROUND_300[1]]
     summary["update_ms_wm_300"] = round(float(np.median(around)), 2) if around else None
     print(json.dumps(summary))
+
+
+def _odometry_alone_ms(source: str, params: Params) -> float:
+    """Median time of tracking a frame, features included, with nothing else at work."""
+    tracker = make_tracker(params)
+    frames = list(islice(open_source(source), _ALONE))
+    return round(float(np.median([tracker.track(frame, params).time_ms for frame in frames])), 2)
 
 
 def _peak_mb() -> float | None:
