@@ -16,7 +16,7 @@ from slam.features.hamming import FAR, distance, pack
 from slam.types import Descriptors
 
 _TABLES = 16
-_KEY_BITS = 18
+_KEY_BITS = 19
 #: Words farther than this many of 256 bits are rarely found by the tables, so that they count as being this far.
 HORIZON = 64
 
