@@ -13,7 +13,8 @@ SUMMARY: dict[str, Any] = {
     "ate_rmse_m": 0.0431,
     "loops": {"global": 5, "proximity": 2, "refused": 9},
     "fps": 61.5,
-    "median_ms": {"odometry": 11.0, "update": 30.0},
+    "median_ms": {"odometry": 15.0, "update": 30.0},
+    "odometry_alone_ms": 11.0,
     "peak_rss_mb": 420.0,
 }
 
@@ -31,7 +32,7 @@ def test_every_figure_says_whether_it_is_met() -> None:
     assert met["hololens_tour: ATE"] is True
     assert met["hololens_tour: frames tracked of 373"] is False, "369 of at least 370"
     assert met["hololens_tour: whole pipeline on 2 cores"] is True
-    assert met["hololens_tour: odometry per frame, median"] is True
+    assert met["hololens_tour: odometry per frame, alone"] is True
     assert met["hololens_tour: resident memory, peak"] is False
     assert met["map update with node, WM 300, 500 words"] is False
     assert met["optimise 800 poses with 10 % loops from odometry"] is True
