@@ -168,7 +168,9 @@ def test_what_stands_out_nowhere_is_a_new_place() -> None:
     assert values[-1] < PARAMS.Rtabmap.LoopThr
 
 
-@pytest.mark.parametrize("text", ["", "0.9", "0.1 x 0.2", "0.1 -0.2", "0.1 1.2", "1 0.5 0", "0.1 0 0", "0.1 nan"])
+@pytest.mark.parametrize(
+    "text", ["", "0.9", "0.1 x 0.2", "0.1 -0.2", "0.1 1.2", "1 0.5 0", "0.1 0 0", "0.1 nan", "0.1 inf"]
+)
 def test_a_list_that_is_no_transition_is_refused(text: str) -> None:
     with pytest.raises(ParameterError, match="Bayes/PredictionLC"):
         predicting(text)
