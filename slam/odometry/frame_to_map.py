@@ -202,6 +202,9 @@ class FrameToMap:
         self, track: _Track, rows: NDArray[np.int32], feature_rows: NDArray[np.int32], camera: Camera
     ) -> View:
         """Learns from what was missed; the view, with the pose's own dependence on the readout in its slopes."""
+        if not (track.view.rates.any() or self._map.slopes_odom[rows].any()):
+            # Nothing here depends on the readout: the camera stands, or nobody knows how it moves.
+            return track.view
         T_cam_odom = inverse(track.T_odom_base @ camera.T_base_cam)
         points_cam = transform(T_cam_odom, self._map.points_odom[rows])
         jacobian = pixel_jacobian(points_cam, camera)
