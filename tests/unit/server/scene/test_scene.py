@@ -46,6 +46,11 @@ class Watched:
     def change(self, **change: Any) -> Any:
         return self.scene.change(SceneChange.model_validate(change))
 
+    def wait(self) -> None:
+        """Until all that was asked for is drawn: layers are drawn one after the other by another thread."""
+        painter = self.scene._painter
+        until(lambda: painter._shown is not None and painter._shown.state == self.scene.state())
+
 
 def until(true: Callable[[], Any]) -> None:
     """Waits for the thread that draws."""
@@ -82,7 +87,7 @@ def test_a_view_shows_the_graph_the_clouds_and_the_newest_pose(watched: Watched)
     assert watched.handle("/paths/odometry/0").visible
     assert not watched.handle("/paths/truth/0").visible
     np.testing.assert_allclose(watched.handle("/newest").position, true_pose(NODES)[:3, 3], atol=1e-6)
-    assert watched.handle("/ground").position[2] == pytest.approx(-1.2, abs=0.1)
+    until(lambda: watched.handle("/ground").position[2] == pytest.approx(-1.2, abs=0.1))
 
 
 def test_layers_are_switched_one_by_one_and_the_rest_stays(watched: Watched) -> None:
@@ -90,11 +95,14 @@ def test_layers_are_switched_one_by_one_and_the_rest_stays(watched: Watched) -> 
     state = watched.change(layers={"cloud": False, "truth": True, "frusta": True, "grid": True})
     assert (state.layers.graph, state.layers.cloud, state.layers.truth) == (True, False, True)
     assert state.layers.odometry == before.layers.odometry
-    until(lambda: watched.handle("/grid") is not None and not watched.handle("/cloud/1").visible)
+    watched.wait()
+    assert watched.handle("/grid").visible
+    assert not watched.handle("/cloud/1").visible
     assert watched.handle("/paths/truth/0").visible
     assert watched.handle("/frusta/0").visible
     watched.change(layers={"graph": False})
-    until(lambda: not watched.handle("/graph/nodes/0").visible)
+    watched.wait()
+    assert not watched.handle("/graph/nodes/0").visible
     assert not watched.handle("/graph/loop/0").visible
     assert not watched.handle("/newest").visible
 
