@@ -141,6 +141,13 @@ class DISKGroup(Group):
     ModelPath: str = param("", "ONNX file of the network.", effect=_SESSION)
 
 
+class LightGlueGroup(Group):
+    """Matching by the LightGlue network (``Vis/CorNNType`` 6)."""
+
+    ModelPath: str = param("", "ONNX file of the network, made for the type of Vis/FeatureType.", effect=_SESSION)
+    Threshold: float = param(0.1, "Lowest score of a match.", ge=0, le=1, effect=_SESSION)
+
+
 class SURFGroup(Group):
     """SURF features."""
 
