@@ -16,9 +16,9 @@ from slam.errors import OptimizationError, ParameterError
 from slam.features.dictionary_file import open_dictionary
 from slam.features.words import NodeFeatures
 from slam.geometry import Pose, between, inverse
-from slam.graph.graph import PoseGraph
+from slam.graph.graph import Pair, PoseGraph
 from slam.graph.optimizer import optimize
-from slam.loop.closing import Closed, close, limited
+from slam.loop.closing import Closed, LoopCloser, limited
 from slam.loop.detector import Belief, LoopDetector
 from slam.loop.likelihood import WordBag
 from slam.maps.grid_layer import GridLayer
@@ -86,6 +86,7 @@ class Slam:
         self._odometry = make_tracker(params)
         self._node_features = NodeFeatures()
         self._loops = LoopDetector()
+        self._closer = LoopCloser()
         self._active = ActiveGraph(self.graph)
         self._active.restrict(self.memory.ltm)
         self._places = Places()
@@ -189,7 +190,7 @@ class Slam:
         with clock.stage("Timing/Map_optimization/ms"):
             if self.params.RGBD.LoopCovLimited and self._surest.any():
                 tried = [limited(candidate, self._surest) for candidate in tried]
-            closed = close(self._active.graph, tried, self.params)
+            closed = self._closer.close(self._active.graph, tried, self.params, self._approved)
             self._follow(node, closed)
             node = self._weigh(node, rehearsal, closed)
         with clock.stage("TimingMem/Occupancy_grid/ms"):
@@ -214,7 +215,7 @@ class Slam:
             statistics=describe(facts, self.memory, self._active.graph, self._correction, clock),
             time_ms=clock.elapsed_ms,
         )
-        self._write(frame, update, (*neighbor.links, *gravity, *closed.links), words, grid)
+        self._write(frame, update, (*neighbor.links, *gravity, *closed.links), words, grid, closed.removed)
         return replace(update, time_ms=clock.elapsed_ms)
 
     def _due(self, frame: Frame, odometry: Odometry) -> bool:
@@ -347,7 +348,7 @@ class Slam:
         self._moved.add(node.id)
         self._behind += 1
         if closed.optimized:
-            self._active.closed(closed.links)
+            self._active.closed(closed.links, closed.removed)
             self._moved.update(self._active.graph.poses)
         if _OFTEN * self._behind >= len(self.memory.ltm):
             self._behind = 0
@@ -404,8 +405,19 @@ class Slam:
         self._active.leave(chosen)
         return chosen
 
+    def _approved(self) -> set[Pair]:
+        """Loops that somebody said are true."""
+        journal = [] if self._writer is None else MapReader(self._writer.path).journal()
+        return {entry.pair for entry in journal if entry.action == "approve" and entry.undone_by is None}
+
     def _write(
-        self, frame: Frame, update: Update, links: tuple[Link, ...], words: WordRows, grid: LocalGrid | None
+        self,
+        frame: Frame,
+        update: Update,
+        links: tuple[Link, ...],
+        words: WordRows,
+        grid: LocalGrid | None,
+        removed: tuple[Link, ...],
     ) -> None:
         """One transaction with the node and all that its update changed."""
         if self._writer is None or update.node is None:
@@ -416,6 +428,7 @@ class Slam:
             image_bgr=frame.image_bgr,
             depth_m=frame.depth_m,
             links=links,
+            removed_links=tuple((link.from_id, link.to_id) for link in removed),
             words=words,
             renamed_words=self.memory.take_renamed(),
             grid=grid,

@@ -38,6 +38,7 @@ def describe(facts: Facts, memory: Memory, graph: PoseGraph, T_map_odom: Pose, c
     return {
         **_loop(facts),
         **_closure(facts.closed),
+        **_removed(facts.closed),
         **_pose(graph.poses[facts.node.id], T_map_odom),
         **_memory(facts, memory, graph),
         **_odometry(facts.odometry),
@@ -112,6 +113,15 @@ def _closure(closed: Closed) -> dict[str, float]:
         "Loop/Optimization_error/": optimized.chi2_after,
         "Loop/Optimization_iterations/": float(optimized.iterations),
     }
+
+
+def _removed(closed: Closed) -> dict[str, float]:
+    """The old loop that was found to be wrong, and how many went with it; nothing where none was."""
+    if not closed.removed:
+        return {}
+    first = closed.removed[0]
+    values = {"from_id": first.from_id, "to_id": first.to_id, "count": len(closed.removed)}
+    return {f"Loop/Optimization_max_error_removed_{what}/": float(value) for what, value in values.items()}
 
 
 def _pose(T_map_base: Pose, T_map_odom: Pose) -> dict[str, float]:

@@ -77,10 +77,12 @@ class ActiveGraph:
         self.whole.poses[node_id] = T_map_base
         self.graph.poses[node_id] = T_map_base
 
-    def closed(self, links: Iterable[Link]) -> None:
-        """Loop links were added to ``graph``, which was optimised with them: the whole graph gets both."""
+    def closed(self, links: Iterable[Link], removed: Iterable[Link] = ()) -> None:
+        """Loop links were added to ``graph`` (and removed), which was optimised so: the whole graph gets it all."""
         if self.is_whole:
             return
+        for link in removed:
+            self.whole.remove_link(link.pair)
         for link in links:
             self.whole.add_link(link)
         self.whole.poses.update(self.graph.poses)

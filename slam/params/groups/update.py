@@ -139,6 +139,13 @@ class RGBDGroup(Group):
         unit="sigma",
         ge=0,
     )
+    OptimizeMaxErrorRepairRadius: float = param(
+        0.0,
+        "When an old loop link is twice in a row what refuses new loops, it goes instead, and with it the loop links"
+        " that end within this radius of its ends; approved and hand-made ones stay; 0 is off.",
+        unit="m",
+        ge=0,
+    )
     StartAtOrigin: bool = param(
         False, "Localisation starts at the first node instead of where the robot was last.", effect=_SESSION
     )
