@@ -45,6 +45,7 @@ class Memory:
         self._outlines: dict[int, Node] = {}
         self._moved: dict[int, Tier] = {}
         self._renamed: dict[int, dict[int, int]] = {}
+        self._reweighed: dict[int, int] = {}
         self._entries = 0
 
     def quantize(
@@ -127,6 +128,14 @@ class Memory:
             self._admit(replace(node, word_ids=np.where(known, node.word_ids, np.minimum(node.word_ids, -1))))
             self._enter_wm(node.id)
 
+    def set_weight(self, node_id: int, weight: int) -> None:
+        """Another weight for a node that may be in the map file already."""
+        self.weights[node_id] = self._reweighed[node_id] = weight
+
+    def in_ram(self) -> tuple[int, ...]:
+        """Ids in short-term and working memory, ascending."""
+        return tuple(sorted([*self.stm, *self.wm]))
+
     def tier(self, node_id: int) -> Tier:
         """The memory a node is in."""
         if node_id in self.wm:
@@ -137,6 +146,11 @@ class Memory:
         """Tiers that changed since this was last asked."""
         moved, self._moved = self._moved, {}
         return moved
+
+    def take_weights(self) -> dict[int, int]:
+        """Weights set since this was last asked."""
+        weights, self._reweighed = self._reweighed, {}
+        return weights
 
     def take_renamed(self) -> dict[int, dict[int, int]]:
         """Node -> old word -> word in RAM, of nodes that came back since this was last asked."""
