@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -47,11 +47,10 @@ class MapWriter:
         self._memory_stamp = ""
         with refusing(path, "opening for writing"):
             self._connection = open_for_writing(path, _check_version)
-            try:
+            with ExitStack() as undo:
+                undo.callback(self._connection.close)
                 self._known = _prepare(self._connection)
-            except BaseException:
-                self._connection.close()
-                raise
+                undo.pop_all()
 
     @classmethod
     def create(cls, path: Path, params: Params, *, seed: int, source: str) -> MapWriter:
