@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from server.browse.columns import number
 from server.browse.snapshot import Pair, Snapshot
-from server.schemas import LoopReason, LoopRow, Loops
+from server.schemas import LoopDoubt, LoopReason, LoopRow, Loops
 from slam.database import LoopState
 from slam.geometry import translation_norm
 from slam.types import Candidate, Link, LinkType, Refusal
@@ -42,6 +42,21 @@ def reason(refusal: Refusal | None) -> LoopReason | None:
     )
 
 
+def doubt(snapshot: Snapshot, pair: Pair) -> LoopDoubt | None:
+    """What speaks against a loop; None where there is no transform to judge."""
+    found = snapshot.suspicions.get(pair)
+    if found is None:
+        return None
+    return LoopDoubt(
+        score=found.score,
+        residual=number(found.residual),
+        odometry=number(found.odometry),
+        neighbors=number(found.neighbors),
+        compared=found.compared,
+        agreeing=found.agreeing,
+    )
+
+
 def evidence(count: int) -> int | None:
     """A number of matches or inliers; None when it was refused before they were counted."""
     return count if count >= 0 else None
@@ -71,6 +86,7 @@ def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
         inliers=None if candidate is None else evidence(candidate.inliers),
         matches=None if candidate is None else evidence(candidate.matches),
         residual_sigma=number(snapshot.residuals.get(pair)),
+        doubt=doubt(snapshot, pair),
         translation_m=None if T_from_to is None else translation_norm(T_from_to),
         update=pair[1] if looked_at is None else looked_at.update_id,
         reason=None if candidate is None else reason(candidate.refusal),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -14,10 +14,13 @@ from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
 from slam.errors import ParameterError
 from slam.evaluate import align
 from slam.geometry import Pose
+from slam.graph.graph import PoseGraph
+from slam.graph.optimizer import chi2
+from slam.graph.suspicion import Suspicion, suspicions
 from slam.graph.verify import residual_ratios
 from slam.history import History
 from slam.params import Params
-from slam.types import WEIGHT_INVALID, Link, Tier
+from slam.types import WEIGHT_INVALID, Link, Tier, TrackedFrame
 
 Pair = tuple[int, int]
 
@@ -88,6 +91,27 @@ class Snapshot:
         return {link.pair: float(sigma) for link, sigma in zip(judged, worst, strict=True)}
 
     @cached_property
+    def graph(self) -> PoseGraph:
+        """All nodes and links with the poses of this map."""
+        return PoseGraph.from_reader(self.reader)
+
+    @cached_property
+    def chi2(self) -> float:
+        """Sum of squared, whitened residuals of all links."""
+        return chi2(list(self.graph.links.values()), self.graph.poses)
+
+    @cached_property
+    def suspicions(self) -> dict[Pair, Suspicion]:
+        """What speaks against each loop that has a transform, in the graph or only looked at."""
+        graph = self.graph
+        loops = {pair: link for pair, link in graph.links.items() if link.type.is_loop}
+        for pair, row in self.candidates.items():
+            link = row.candidate.link
+            if link is not None and pair not in graph.links and graph.has(*pair):
+                loops[pair] = link
+        return suspicions(graph, list(loops.values()), self.params.RGBD.OptimizeMaxError)
+
+    @cached_property
     def loop_counts(self) -> Counter[int]:
         """Number of loop links of every node."""
         return Counter(node_id for pair, link in self.links.items() if link.type.is_loop for node_id in pair)
@@ -140,24 +164,33 @@ class Snapshot:
     @cached_property
     def ate_m(self) -> float | None:
         """Absolute trajectory error of all tracked frames (nodes, where frames aren't stored); None without truth."""
+        return self.ate_at(self.poses, self.links)
+
+    def ate_at(self, poses: Mapping[int, Pose], pairs: Iterable[Pair]) -> float | None:
+        """The same with nodes at other poses, and joined by links between other pairs."""
         if not self.has_truth:
             return None
-        frames = self.reader.trajectory()
-        if frames:
-            return frames_ate_m(frames, self.poses, self.links)
-        return pooled_ate_m(*self._node_path(), self.links)
+        if self._frames:
+            return frames_ate_m(self._frames, poses, pairs)
+        return pooled_ate_m(*self._node_path(poses), pairs)
+
+    @cached_property
+    def _frames(self) -> list[TrackedFrame]:
+        return self.reader.trajectory()
 
     @cached_property
     def T_map_world(self) -> Pose:
         """Lays the true path over the map's, by the nodes that have both; NaN where none has."""
-        T_world, T_map, _ = self._node_path()
+        T_world, T_map, _ = self._node_path(self.poses)
         known = np.isfinite(T_world[:, 0, 3])
         return align(T_map[known, :3, 3], T_world[known, :3, 3]) if known.any() else np.full((4, 4), np.nan)
 
-    def _node_path(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-        ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in self.poses]
+    def _node_path(
+        self, poses: Mapping[int, Pose]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+        ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in poses]
         rows = [self.rows[node_id] for node_id in ids]
-        T_map = np.array([self.poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
+        T_map = np.array([poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
         return self.nodes.T_world[rows], T_map, np.array(ids, np.int64)
 
 

@@ -3,7 +3,7 @@
 from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RunState, Schema, Size
 from server.schemas.decisions import Decision, DecisionAction, DecisionEffect, DecisionResult, Journal, JournalEntry
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
-from server.schemas.links import LinkDetail, LinkMatches, LoopReason, LoopRow, Loops
+from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRow, Loops
 from server.schemas.maps import MapFacts, MapInfo, Maps, MapSummary
 from server.schemas.nodes import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterSet
@@ -28,6 +28,7 @@ __all__ = [
     "LinkColumns",
     "LinkDetail",
     "LinkMatches",
+    "LoopDoubt",
     "LoopReason",
     "LoopRow",
     "Loops",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from slam.geometry import Array, adjoint, inverse
 from slam.graph.graph import PoseGraph, ascending
-from slam.types import LinkType
+from slam.types import Link, LinkType
 
 _STEPS = (LinkType.NEIGHBOR, LinkType.NEIGHBOR_MERGED)
 
@@ -76,9 +76,17 @@ class OdometryChain:
 def _step_from(graph: PoseGraph, node_id: int, earlier: dict[int, int]) -> tuple[int, Array, Array] | None:
     """The nearest earlier node that odometry joins with this one, the step from there and its covariance."""
     links = graph.neighbors(node_id)
-    before = max((i for i, link in links.items() if i in earlier and i < node_id and link.type in _STEPS), default=None)
+    steps = (i for i, link in links.items() if i in earlier and link.type in _STEPS and is_sound(link))
+    before = max(steps, default=None)
     if before is None:
         return None
     link = ascending(links[before])
     assert link.T_from_to is not None
-    return before, link.T_from_to, np.asarray(np.linalg.inv(link.information), np.float64)
+    return before, link.T_from_to, np.linalg.inv(link.information).astype(np.float64)
+
+
+def is_sound(link: Link) -> bool:
+    """Whether a link's transform and covariance can be reckoned with: files of other programs hold anything."""
+    if link.T_from_to is None or not (np.isfinite(link.T_from_to).all() and np.isfinite(link.information).all()):
+        return False
+    return bool(np.linalg.eigvalsh(link.information)[0] > 0.0)

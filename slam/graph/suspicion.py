@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from slam.geometry import Array, adjoint, inverse
 from slam.graph.graph import Pair, PoseGraph, ascending
-from slam.graph.odometry_chain import OdometryChain
+from slam.graph.odometry_chain import OdometryChain, is_sound
 from slam.graph.shift import angles
 from slam.graph.verify import residual_sigmas
 from slam.types import Link
@@ -44,7 +44,7 @@ class Suspicion:
 
 
 def suspicions(graph: PoseGraph, loops: Sequence[Link], limit: float = _LIMIT) -> dict[Pair, Suspicion]:
-    """What speaks against each of these links, by its pair.
+    """What speaks against each of these links, by its pair; unsound ones are left out.
 
     Odometry and the loops' covariances are rarely right to a factor of two; what most loops of a map show is normal
     there, so that each disagreement is measured against the median of all loops in the graph. Loops are compared in
@@ -55,8 +55,8 @@ def suspicions(graph: PoseGraph, loops: Sequence[Link], limit: float = _LIMIT) -
         loops: links between nodes of the graph, of the graph or not, with a transform.
         limit: sigmas that the optimised poses may be off (``RGBD/OptimizeMaxError``); 0 counts as 3.
     """
-    trusted = [ascending(link) for _, link in sorted(graph.links.items()) if link.type.is_loop]
-    judged = [ascending(link) for link in loops]
+    trusted = [ascending(link) for _, link in sorted(graph.links.items()) if link.type.is_loop and is_sound(link)]
+    judged = [ascending(link) for link in loops if is_sound(link)]
     if not judged:
         return {}
     chain = OdometryChain(graph)

@@ -109,7 +109,7 @@ def close(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> 
     else:
         verdicts = {id(candidate): _try(graph, [candidate], params) for candidate in agreed}
     judged = tuple(replace(c, refusal=verdicts[id(c)].refusal) if id(c) in verdicts else c for c in candidates)
-    links = tuple(_link(c) for c in judged if c.refusal is None)
+    links = tuple(c.link for c in judged if c.refusal is None and c.link is not None)
     closures = [verdict.closure for verdict in verdicts.values()]
     blamed = tuple(closure.blamed for closure in closures if closure is not None and closure.blamed is not None)
     return Closed(judged, links, closures[-1], blamed)
@@ -129,12 +129,7 @@ class _Verdict:
 
 def _try(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> _Verdict:
     try:
-        closure = close_loops(graph, [_link(candidate) for candidate in candidates], params)
+        closure = close_loops(graph, [c.link for c in candidates if c.link is not None], params)
     except OptimizationError as error:
         return _Verdict(None, Refusal("optimization", float("nan"), float("nan"), str(error)))
     return _Verdict(closure, closure.refusal)
-
-
-def _link(candidate: Candidate) -> Link:
-    assert candidate.information is not None
-    return Link(candidate.from_id, candidate.to_id, candidate.type, candidate.T_from_to, candidate.information)

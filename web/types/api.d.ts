@@ -647,6 +647,12 @@ export interface components {
         LinkDetail: {
             /** Chi2 */
             chi2: number | null;
+            /**
+             * Chi2 Share
+             * @description Of the whole graph's chi2.
+             */
+            chi2_share: number | null;
+            doubt: components["schemas"]["LoopDoubt"] | null;
             /** Explanation */
             explanation: string;
             /** From */
@@ -701,6 +707,42 @@ export interface components {
             y2: number[];
         };
         /**
+         * LoopDoubt
+         * @description What speaks against a loop, each in sigmas; None where it can't be told.
+         */
+        LoopDoubt: {
+            /**
+             * Agreeing
+             * @description Those of them that it agrees with.
+             */
+            agreeing: number;
+            /**
+             * Compared
+             * @description Loops near by.
+             */
+            compared: number;
+            /**
+             * Neighbors
+             * @description How far the loops near by are from it (median).
+             */
+            neighbors: number | null;
+            /**
+             * Odometry
+             * @description How far odometry alone is from it.
+             */
+            odometry: number | null;
+            /**
+             * Residual
+             * @description How far the optimised poses are from it.
+             */
+            residual: number | null;
+            /**
+             * Score
+             * @description The largest of the three over what is usual in this map: above 1 the loop is suspect.
+             */
+            score: number;
+        };
+        /**
          * LoopReason
          * @description Why a loop was refused: the test, its value and the threshold that it missed.
          */
@@ -719,6 +761,8 @@ export interface components {
          * @description A loop in the review queue.
          */
         LoopRow: {
+            /** @description None where there is no transform to judge. */
+            doubt: components["schemas"]["LoopDoubt"] | null;
             /** From */
             from: number;
             /** Inliers */
