@@ -10,6 +10,7 @@ from server.schemas.parameters import Parameter, ParameterChanges, ParameterSet
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics
+from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
     "CameraModel",
@@ -31,6 +32,7 @@ __all__ = [
     "LoopDoubt",
     "LoopReason",
     "LoopRow",
+    "LoopWhatIf",
     "Loops",
     "MapFacts",
     "MapInfo",
@@ -58,4 +60,6 @@ __all__ = [
     "StartRun",
     "StatisticNames",
     "Statistics",
+    "WhatIfGraph",
+    "WhatIfLoop",
 ]

@@ -372,6 +372,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/what-if/loops": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Foresee Loops
+         * @description The loops that would be there with another Rtabmap/LoopThr; nothing is changed.
+         */
+        get: operations["foresee_loops"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/scene/{map}": {
         parameters: {
             query?: never;
@@ -802,6 +822,42 @@ export interface components {
          */
         LoopState: "accepted" | "refused" | "approved" | "rejected" | "added";
         /**
+         * LoopWhatIf
+         * @description The map's loops at another ``Rtabmap/LoopThr``, by what each update believed.
+         */
+        LoopWhatIf: {
+            /**
+             * Counts
+             * @description By outcome.
+             */
+            counts: {
+                [key: string]: number;
+            };
+            /** @description None while hypotheses are being tried, or where it was not asked for. */
+            graph: components["schemas"]["WhatIfGraph"] | null;
+            /** In Force */
+            in_force: number;
+            /** Loops */
+            loops: components["schemas"]["WhatIfLoop"][];
+            /**
+             * Pending
+             * @description Hypotheses that are still being tried; ask again.
+             */
+            pending: number;
+            /**
+             * Precision
+             * @description Of the loops that would be in the map and have a label, the share of true ones.
+             */
+            precision: number | null;
+            /**
+             * Recall
+             * @description Of the true ones that are known, the share that would be in the map.
+             */
+            recall: number | null;
+            /** Threshold */
+            threshold: number;
+        };
+        /**
          * Loops
          * @description Every loop that was looked at; of a pair, the last word.
          */
@@ -1088,6 +1144,12 @@ export interface components {
             words: number;
         };
         /**
+         * Outcome
+         * @description What would become of a hypothesis.
+         * @enum {string}
+         */
+        Outcome: "stays" | "goes" | "comes" | "refused" | "untried";
+        /**
          * Parameter
          * @description A registered parameter with its value in this map.
          */
@@ -1330,6 +1392,58 @@ export interface components {
          * @enum {string}
          */
         Tier: "stm" | "wm" | "ltm";
+        /**
+         * WhatIfGraph
+         * @description Where the nodes would be.
+         */
+        WhatIfGraph: {
+            /** Ate M */
+            ate_m: number | null;
+            /** Ids */
+            ids: number[];
+            /** Max Shift M */
+            max_shift_m: number;
+            /**
+             * Moved
+             * @description Poses that would move by more than 1 mm or 0.05 deg.
+             */
+            moved: number;
+            /** Poses */
+            poses: number[][];
+        };
+        /**
+         * WhatIfLoop
+         * @description A hypothesis that matters at this threshold.
+         */
+        WhatIfLoop: {
+            /** From */
+            from: number;
+            /** Inliers */
+            inliers: number | null;
+            /**
+             * Key
+             * @description Both ids, newer first, ``147-61``.
+             */
+            key: string;
+            outcome: components["schemas"]["Outcome"];
+            /**
+             * Reason
+             * @description Why it would be refused; empty otherwise.
+             */
+            reason: string;
+            /** To */
+            to: number;
+            /**
+             * True
+             * @description What ground truth or a person says of it.
+             */
+            true: boolean | null;
+            /**
+             * Value
+             * @description What the threshold is compared with.
+             */
+            value: number;
+        };
     };
     responses: never;
     parameters: never;
@@ -2687,6 +2801,79 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Statistics"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    foresee_loops: {
+        parameters: {
+            query: {
+                /** @description Instead of the value in force. */
+                loop_thr: number;
+                /** @description Optimise the graph with these loops as well. */
+                graph?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LoopWhatIf"];
                 };
             };
             /** @description No token. */
