@@ -56,10 +56,17 @@ class Services:
         return os.access(file.path, os.W_OK) and os.access(file.path.parent, os.W_OK)
 
     async def start_run(self, run: StartRun) -> Session:
-        """Start mapping into a new map under the first served folder."""
-        path = self.catalog.new_path(run.map)
-        source = checked_source(run.source, self.settings.sources)
-        return await self.session.start(run.map, RunJob(source, path, run.params, run.seed, run.speed))
+        """Start mapping into a new map under the first served folder, or into one that is there."""
+        source, params = checked_source(run.source, self.settings.sources), dict(run.params)
+        if run.mode == "new":
+            path = self.catalog.new_path(run.map)
+            return await self.session.start(run.map, RunJob(source, path, params, run.seed, run.speed))
+        file = self.catalog.find(run.map)
+        await self.editors.release(file)
+        if run.mode == "localize":
+            params["Mem/IncrementalMemory"] = False
+        job = RunJob(source, file.path, params, run.seed, run.speed, append=run.mode == "append")
+        return await self.session.start(file.id, job)
 
     async def decide(self, view: MapView, decision: Decision) -> DecisionResult:
         """Carry out a decision in the process that may write the map."""

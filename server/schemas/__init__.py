@@ -6,7 +6,7 @@ from server.schemas.graph import Graph, LinkColumns, NodeColumns
 from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRow, Loops
 from server.schemas.maps import MapFacts, MapInfo, Maps, MapSummary
 from server.schemas.nodes import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
-from server.schemas.parameters import Parameter, ParameterChanges, ParameterSet
+from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics
@@ -46,6 +46,7 @@ __all__ = [
     "NodeRow",
     "Parameter",
     "ParameterChanges",
+    "ParameterChoice",
     "ParameterSet",
     "ParameterValue",
     "PoseList",

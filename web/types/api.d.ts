@@ -1154,6 +1154,11 @@ export interface components {
          * @description A registered parameter with its value in this map.
          */
         Parameter: {
+            /**
+             * Choices
+             * @description All values, where only a few are right; empty otherwise.
+             */
+            choices: components["schemas"]["ParameterChoice"][];
             /** Default */
             default: boolean | number | string;
             effect: components["schemas"]["Effect"];
@@ -1191,6 +1196,16 @@ export interface components {
             changes: {
                 [key: string]: boolean | number | string;
             };
+        };
+        /**
+         * ParameterChoice
+         * @description A value that a parameter may have, where only a few are right.
+         */
+        ParameterChoice: {
+            /** Label */
+            label: string;
+            /** Value */
+            value: number | string;
         };
         /**
          * ParameterSet
@@ -1336,14 +1351,21 @@ export interface components {
         };
         /**
          * StartRun
-         * @description A new map from a source.
+         * @description A source to map, or to localise in a map.
          */
         StartRun: {
             /**
              * Map
-             * @description Name of the new file in the first served folder, without ``.db``.
+             * @description Name of the new file in the first served folder, without ``.db``; otherwise the id of a map that is there.
              */
             map: string;
+            /**
+             * Mode
+             * @description Make a new map, add a session to one, or localise in one, which keeps it as it is.
+             * @default new
+             * @enum {string}
+             */
+            mode: "new" | "append" | "localize";
             /** Params */
             params?: {
                 [key: string]: boolean | number | string;
