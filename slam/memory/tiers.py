@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 
 from slam.errors import OptimizationError
 from slam.geometry import Pose
@@ -11,15 +12,24 @@ from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import optimize
 from slam.loop.closing import Closed
 from slam.memory.active_graph import ActiveGraph
+from slam.memory.immunity import Immunity
 from slam.memory.memory import Memory
 from slam.memory.places import Places
 from slam.memory.retrieval import choose_retrieval
-from slam.memory.transfer import choose_transfer
+from slam.memory.transfer import choose_transfer, is_bounded
 from slam.params import Params
 from slam.types import LinkType
 
 #: Nodes in long-term memory that may follow the others at each update, so that all have after so many of them.
 _OFTEN = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """The ids that went to long-term memory, and those that might not; none where memory has no bound."""
+
+    ids: Sequence[int]
+    immunity: Immunity
 
 
 class Tiers:
@@ -61,21 +71,18 @@ class Tiers:
         self._moved.update(retrieved)
         return retrieved
 
-    def transfer(self, best_id: int, retrieved: list[int], elapsed_ms: float, params: Params) -> list[int]:
-        """Moves what there is no time or room for to long-term memory; the ids that went."""
+    def transfer(self, best_id: int, retrieved: list[int], elapsed_ms: float, params: Params) -> Transfer:
+        """Moves what there is no time or room for to long-term memory."""
+        if not is_bounded(params):
+            return Transfer([], Immunity())
+        immunity = Immunity.of(self.memory, self.graph, self.active.graph, best_id, self.last_loop, params)
         chosen = choose_transfer(
-            self.memory,
-            self.graph,
-            retrieved=retrieved,
-            elapsed_ms=elapsed_ms,
-            best_id=best_id,
-            last_loop_id=self.last_loop,
-            params=params,
+            self.memory, immune=immunity.ids, retrieved=retrieved, elapsed_ms=elapsed_ms, params=params
         )
         self.memory.transfer(chosen)
         self._places.put(self.graph.poses, chosen)
         self.active.leave(chosen)
-        return chosen
+        return Transfer(chosen, immunity)
 
     def follow(self, node_id: int, closed: Closed) -> None:
         """All poses follow the optimised ones: those in RAM at once, those in long-term memory now and then."""
