@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from slam.database import MapWriter, NodeRecord, WordRows
+from slam.database import MapWriter, NodeRecord, Reduction, WordRows
 from slam.maps.grid_layer import GridLayer
 from slam.memory.tiers import Tiers
 from slam.params import Params, Value
@@ -47,6 +47,7 @@ class Recorder:
         links: tuple[Link, ...],
         words: WordRows,
         grid: LocalGrid | None,
+        reductions: tuple[Reduction, ...],
         params: Params,
     ) -> None:
         """One transaction with the update's node and all that changed with it."""
@@ -58,7 +59,8 @@ class Recorder:
             update=update,
             image_bgr=frame.image_bgr,
             depth_m=frame.depth_m,
-            links=links,
+            links=tuple(link for link in links if self._tiers.graph.has(*link.pair)),
+            reductions=reductions,
             words=words,
             renamed_words=memory.take_renamed(),
             grid=grid,
