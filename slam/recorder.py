@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from slam.database import MapReader, MapWriter, NodeRecord, WordRows
+from slam.database import MapReader, MapWriter, NodeRecord, Reduction, WordRows
 from slam.graph.graph import Pair
 from slam.maps.grid_layer import GridLayer
 from slam.memory.tiers import Tiers
@@ -54,6 +54,7 @@ class Recorder:
         removed: tuple[Link, ...],
         words: WordRows,
         grid: LocalGrid | None,
+        reductions: tuple[Reduction, ...],
         params: Params,
     ) -> None:
         """One transaction with the update's node and all that changed with it."""
@@ -65,8 +66,9 @@ class Recorder:
             update=update,
             image_bgr=frame.image_bgr,
             depth_m=frame.depth_m,
-            links=links,
+            links=tuple(link for link in links if self._tiers.graph.has(*link.pair)),
             removed_links=tuple((link.from_id, link.to_id) for link in removed),
+            reductions=reductions,
             words=words,
             renamed_words=memory.take_renamed(),
             grid=grid,

@@ -9,7 +9,7 @@ import numpy as np
 
 from slam.accuracy import frames_ate_m
 from slam.clock import StageClock
-from slam.database import MapReader, MapWriter, WordRows
+from slam.database import MapReader, MapWriter, Reduction, WordRows
 from slam.errors import ParameterError
 from slam.features.dictionary_file import open_dictionary
 from slam.features.words import NodeFeatures
@@ -147,7 +147,9 @@ class Slam:
             if self.params.Mem.RehearsalWeightIgnoredWhileMoving:
                 rehearsal = None
             node = equipped(node, frame, self.params, clock)
+            left = self.memory.add(node, self.params)
             neighbor = self._insert(node, clock)
+            reductions = self._reduce(left)
             gravity = self._level(node, frame)
             self._last = node
             self._motion.begin()
@@ -163,7 +165,7 @@ class Slam:
             self._tiers.follow(node.id, closed)
             if rehearsal is not None:
                 self.memory.set_weight(rehearsal.node_id, rehearsal.weight)
-            node = replace(node, weight=self._tiers.weigh(node.id, node.weight, closed))
+            node = replace(node, weight=self._tiers.weigh(node.id, node.weight, closed, self.params))
         with clock.stage("TimingMem/Occupancy_grid/ms"):
             grid = self._grid.add(node.id, frame, self.graph.poses, self.params)
             if closed.optimized:
@@ -188,8 +190,8 @@ class Slam:
             statistics=describe(facts, self.memory, self._active.graph, self._correction, clock),
             time_ms=clock.elapsed_ms,
         )
-        added = (*neighbor.links, *gravity, *closed.links)
-        self._recorder.write(frame, update, added, closed.removed, words, grid, self.params)
+        links = (*neighbor.links, *gravity, *closed.links)
+        self._recorder.write(frame, update, links, closed.removed, words, grid, reductions, self.params)
         return replace(update, time_ms=clock.elapsed_ms)
 
     def _due(self, frame: Frame, odometry: Odometry) -> bool:
@@ -246,11 +248,11 @@ class Slam:
         """Puts a node into graph and STM; returns its link to the node before it in the same session."""
         last, started = self._last, self._motion.restarted and self._last is not None
         self._active.add_node(node.id, node.map_id, node.T_odom_base, self._correction @ node.T_odom_base)
-        self.memory.add(node, self.params)
         self._newest_id, self._map_id = node.id, node.map_id
         if started:
             self._recorder.start_session(self.params)
         if last is None or started:
+            self._tiers.labelled.add(node.id)
             return Neighbor()
         link = self._motion.link(last, node)
         with clock.stage("Timing/Neighbor_link_refining/ms"):
@@ -260,6 +262,16 @@ class Slam:
         for kept in neighbor.links:
             self._active.add_link(kept)
         return neighbor
+
+    def _reduce(self, left: list[int]) -> tuple[Reduction, ...]:
+        """Nodes that left STM become part of older ones that loops tie them to (``Mem/ReduceGraph``)."""
+        if not self.params.Mem.ReduceGraph:
+            return ()
+        reductions = self._tiers.reduce(left)
+        for done in reductions:
+            self._tracked.rehang(done.node_id, done.into, done.T_into_node)
+            self._grid.leave_out(done.node_id)
+        return reductions
 
     def _level(self, node: Node, frame: Frame) -> tuple[Link, ...]:
         """Tells the graph which way is up at a node, where an accelerometer says so."""

@@ -14,6 +14,7 @@ from slam.loop.closing import Closed
 from slam.loop.detector import Belief
 from slam.memory.memory import Memory
 from slam.memory.rehearsal import Rehearsal
+from slam.memory.tiers import Transfer
 from slam.registration.refining import Neighbor
 from slam.types import Candidate, LinkType, Node, Odometry, Registration
 
@@ -28,7 +29,7 @@ class Facts:
     rehearsal: Rehearsal | None
     odometry: Odometry
     retrieved: Sequence[int]
-    transferred: Sequence[int]
+    transferred: Transfer
     travelled_m: float
     neighbor: Neighbor
 
@@ -139,13 +140,16 @@ def _pose(T_map_base: Pose, T_map_odom: Pose) -> dict[str, float]:
 
 
 def _memory(facts: Facts, memory: Memory, graph: PoseGraph) -> dict[str, float]:
-    rehearsal = facts.rehearsal
+    rehearsal, immunity = facts.rehearsal, facts.transferred.immunity
     return {
         "Memory/Short_time_memory_size/": float(len(memory.stm)),
         "Memory/Working_memory_size/": float(len(memory.wm)),
         "Memory/Long_term_memory_size/": float(len(memory.ltm)),
         "Memory/Local_graph_size/": float(len(graph)),
-        "Memory/Signatures_removed/": float(len(facts.transferred)),
+        "Memory/Signatures_removed/": float(len(facts.transferred.ids)),
+        "Memory/Immunized_globally/": float(len(immunity.globally)),
+        "Memory/Immunized_locally/": float(len(immunity.locally)),
+        "Memory/Immunized_locally_max/": float(immunity.most_locally),
         "Memory/Signatures_retrieved/": float(len(facts.retrieved)),
         "Memory/Rehearsal_id/": 0.0 if rehearsal is None else float(rehearsal.node_id),
         "Memory/Rehearsal_sim/": 0.0 if rehearsal is None else rehearsal.similarity,

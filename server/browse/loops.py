@@ -23,14 +23,15 @@ def loops(snapshot: Snapshot, after: int = 0) -> Loops:
 
 
 def loop_state(snapshot: Snapshot, pair: Pair) -> LoopState | None:
-    """Where a loop stands; None for odometry and for what was never looked at."""
+    """Where a loop stands; None for odometry, for what was never looked at, and for nodes that are gone."""
     link = snapshot.links.get(pair)
     decided = snapshot.history.last(pair)
     if decided is not None:
         return _DECIDED[decided.action]
     if link is not None:
         return LoopState.ACCEPTED if link.type.is_loop else None
-    return LoopState.REFUSED if pair in snapshot.candidates else None
+    # A node that became part of an older one (Mem/ReduceGraph) has no loops that could be decided about.
+    return LoopState.REFUSED if pair in snapshot.candidates and set(pair) <= snapshot.rows.keys() else None
 
 
 def reason(refusal: Refusal | None) -> LoopReason | None:

@@ -62,21 +62,25 @@ class Memory:
         bag = WordBag.of(node)
         self.dictionary.discard(bag.words.tolist())
 
-    def add(self, node: Node, params: Params) -> None:
-        """Takes a new node into STM; what overflows goes to WM."""
+    def add(self, node: Node, params: Params) -> list[int]:
+        """Takes a new node into STM; what overflows goes to WM: the ids of those."""
         self._admit(node)
         self.weights[node.id] = node.weight
         self.stm.append(node.id)
         self._moved[node.id] = Tier.STM
-        while len(self.stm) > params.Mem.STMSize:
-            self._enter_wm(self.stm.popleft())
+        left = [self.stm.popleft() for _ in range(len(self.stm) - params.Mem.STMSize)]
+        for node_id in left:
+            self._enter_wm(node_id)
+        return left
 
     def dismiss(self, node_id: int) -> None:
-        """Lets a node of STM go for good, with the words that it alone had."""
-        self.stm.remove(node_id)
+        """Lets a node in RAM go for good, with the words that it alone had."""
+        if self.wm.pop(node_id, None) is None:
+            self.stm.remove(node_id)
         del self.nodes[node_id], self.weights[node_id]
         self.dictionary.release(self.bags.pop(node_id).words.tolist())
         self._moved.pop(node_id, None)
+        self._reweighed.pop(node_id, None)
 
     def transfer(self, ids: Iterable[int]) -> None:
         """Moves nodes from WM to LTM: features and unused words leave RAM."""

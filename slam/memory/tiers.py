@@ -2,24 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 
+from slam.database import Reduction
 from slam.errors import OptimizationError
 from slam.geometry import Pose
 from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import optimize
 from slam.loop.closing import Closed
 from slam.memory.active_graph import ActiveGraph
+from slam.memory.immunity import Immunity
 from slam.memory.memory import Memory
 from slam.memory.places import Places
+from slam.memory.reduction import reduction
 from slam.memory.retrieval import choose_retrieval
-from slam.memory.transfer import choose_transfer
+from slam.memory.transfer import choose_transfer, is_bounded
 from slam.params import Params
 from slam.types import LinkType
 
 #: Nodes in long-term memory that may follow the others at each update, so that all have after so many of them.
 _OFTEN = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """The ids that went to long-term memory, and those that might not; none where memory has no bound."""
+
+    ids: Sequence[int]
+    immunity: Immunity
 
 
 class Tiers:
@@ -29,12 +41,14 @@ class Tiers:
         memory: the tiers.
         active: the graph of the nodes in RAM.
         last_loop: the old node of the last loop closure, 0 for none.
+        labelled: nodes of this session that bear a label, and so never become part of another.
     """
 
     def __init__(self, memory: Memory, graph: PoseGraph) -> None:
         self.memory = memory
         self.active = ActiveGraph(graph)
         self.last_loop = 0
+        self.labelled: set[int] = set()
         self._places = Places()
         self._moved: set[int] = set()
         self._behind = 0
@@ -50,6 +64,20 @@ class Tiers:
         self.active.restrict(self.memory.ltm)
         self._places.put(self.graph.poses, sorted(self.memory.ltm))
 
+    def reduce(self, node_ids: Iterable[int]) -> tuple[Reduction, ...]:
+        """Nodes that leave short-term memory become part of an older one where a loop ties them to it."""
+        done = []
+        for node_id in node_ids:
+            found = None if node_id in self.labelled else reduction(node_id, self.memory, self.active.graph)
+            if found is not None:
+                weight = self.memory.weights[found.into] + self.memory.weights[node_id]
+                self.memory.set_weight(found.into, weight)
+                self.memory.dismiss(node_id)
+                self.active.merge(node_id, found.into, found.links)
+                self._moved.discard(node_id)
+                done.append(found)
+        return tuple(done)
+
     def retrieve(self, node_id: int, best_id: int, params: Params) -> list[int]:
         """Brings back what belongs to the best hypothesis and to the place of a new node; the ids that came."""
         chosen = choose_retrieval(
@@ -61,21 +89,18 @@ class Tiers:
         self._moved.update(retrieved)
         return retrieved
 
-    def transfer(self, best_id: int, retrieved: list[int], elapsed_ms: float, params: Params) -> list[int]:
-        """Moves what there is no time or room for to long-term memory; the ids that went."""
+    def transfer(self, best_id: int, retrieved: list[int], elapsed_ms: float, params: Params) -> Transfer:
+        """Moves what there is no time or room for to long-term memory."""
+        if not is_bounded(params):
+            return Transfer([], Immunity())
+        immunity = Immunity.of(self.memory, self.graph, self.active.graph, best_id, self.last_loop, params)
         chosen = choose_transfer(
-            self.memory,
-            self.graph,
-            retrieved=retrieved,
-            elapsed_ms=elapsed_ms,
-            best_id=best_id,
-            last_loop_id=self.last_loop,
-            params=params,
+            self.memory, immune=immunity.ids, retrieved=retrieved, elapsed_ms=elapsed_ms, params=params
         )
         self.memory.transfer(chosen)
         self._places.put(self.graph.poses, chosen)
         self.active.leave(chosen)
-        return chosen
+        return Transfer(chosen, immunity)
 
     def follow(self, node_id: int, closed: Closed) -> None:
         """All poses follow the optimised ones: those in RAM at once, those in long-term memory now and then."""
@@ -90,13 +115,17 @@ class Tiers:
             self._places.put(self.graph.poses, (i for i in followed if i in self.memory.ltm))
             self._moved.update(followed)
 
-    def weigh(self, node_id: int, weight: int, closed: Closed) -> int:
-        """The new node's weight after loop closure: a place seen again hands its weight to its newest node."""
+    def weigh(self, node_id: int, weight: int, closed: Closed, params: Params) -> int:
+        """The new node's weight after loop closure: a place seen again hands its weight to its newest node.
+
+        With ``Mem/ReduceGraph`` to its oldest, which stays.
+        """
         for link in closed.links:
             if link.type is LinkType.GLOBAL_CLOSURE:
                 self.last_loop = link.to_id
-                weight += self.memory.weights[link.to_id]
-                self.memory.set_weight(link.to_id, 0)
+                both = weight + self.memory.weights[link.to_id]
+                weight, older = (0, both) if params.Mem.ReduceGraph else (both, 0)
+                self.memory.set_weight(link.to_id, older)
         self.memory.weights[node_id] = weight
         return weight
 

@@ -68,6 +68,9 @@ class MemGroup(Group):
         False, "A node that looks like the last one adds weight to it only when the robot has not moved."
     )
     BadSignaturesIgnored: bool = param(False, "Nodes with too few words are not kept.")
+    ReduceGraph: bool = param(
+        False, "A node that leaves short-term memory becomes part of the older one that a loop ties it to."
+    )
     RecentWmRatio: float = param(0.2, "Newest share of working memory that never goes to long-term memory.", ge=0, le=1)
     UseOdomFeatures: bool = param(
         True, "Make words from odometry's key points where Vis/FeatureType is Kp/DetectorStrategy."
