@@ -24,8 +24,24 @@ def pack_camera(camera: Camera) -> bytes:
         raise DatabaseError(
             f"camera centre ({camera.cx:g}, {camera.cy:g}) must be positive: RTAB-Map takes others for no camera"
         )
-    header = _HEADER.pack(*_VERSION, _MONO, camera.width, camera.height, 9, 0, 0, 0, 12)
-    return header + camera.K.astype("<f8").tobytes() + pack_transform(camera.T_base_cam)
+    return pack_record(camera)
+
+
+def pack_record(camera: Camera, baseline: float | None = None) -> bytes:
+    """Record of a camera as it is; with a ``baseline`` in metres, of the right one of a stereo pair."""
+    projection = b""
+    if baseline is not None:
+        P = np.hstack([camera.K, [[-camera.fx * baseline], [0.0], [0.0]]])
+        projection = P.astype("<f8").tobytes()
+    header = _HEADER.pack(*_VERSION, _MONO, camera.width, camera.height, 9, 0, 0, len(projection) // 8, 12)
+    return header + camera.K.astype("<f8").tobytes() + projection + pack_transform(camera.T_base_cam)
+
+
+def pack_stereo(left: Camera, baseline: float) -> bytes:
+    """Record of a rectified stereo pair: the left camera, and a right one ``baseline`` metres beside it."""
+    records = pack_record(left), pack_record(left, baseline)
+    header = _STEREO_HEADER.pack(*_VERSION, _STEREO, 0, 0, 0, 0, *(len(record) for record in records))
+    return header + b"".join(records)
 
 
 def unpack_cameras(blob: bytes) -> tuple[Camera, ...]:

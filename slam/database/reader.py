@@ -33,7 +33,7 @@ _KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.ca
 
 
 class MapReader(DeckReader):
-    """Reads a map file of slamdeck or of RTAB-Map 0.18 to 0.23.
+    """Reads a map file of slamdeck or of RTAB-Map 0.5 to 0.23 (of before 0.18 to look at only).
 
     Each call opens and closes its own connection: calls may come from any thread, each sees the last commit of a writer
     that is at work, and the file is not changed. What slamdeck alone records (updates, candidates,
