@@ -1,4 +1,4 @@
-"""Small map files of every schema since 0.7, with known content, made by plain SQLite as the history of RTAB-Map has it.
+"""Small map files of every schema since 0.6, with known content, made by plain SQLite as RTAB-Map's history has it.
 
 Three nodes in a row, with the links in both directions and a loop from 3 to 1; image, depth, calibration, scan and
 what else the version has. Blobs are packed here by hand, so that a slip of the codecs does not go round in a circle.

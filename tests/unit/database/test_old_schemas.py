@@ -127,7 +127,8 @@ def test_what_the_sessions_left(reader: MapReader, version: old.Version) -> None
         assert not len(statistics.ids)
     states = {node_id: state.tolist() for node_id, state in reader.wm_states().items()}
     assert states == ({3: [1, 2]} if version >= (0, 16, 2) else {})
-    assert reader.parameters().get("Rtabmap/LoopThr") == ("0.15" if version >= (0, 11, 8) else None)
+    named = {"Kp/MaxFeatures": "400", "Rtabmap/LoopThr": "0.15"}
+    assert reader.parameters() == (named if version >= (0, 11, 8) else {})
     nodes, words = reader.memory_ids()
     assert (nodes.tolist(), words.tolist()) == ([1, 2, 3], [1, 2])
     info = reader.info()
