@@ -11,7 +11,7 @@ from sqlalchemy import Column, Connection, func, insert, select
 
 from slam.camera import Camera
 from slam.database.blobs import NOTHING, pack_row, unpack_matrix
-from slam.database.calibration import pack_camera, unpack_cameras
+from slam.database.calibration import pack_camera, unpack_cameras, unpack_rig
 from slam.database.image_size import claimed_size
 from slam.database.images import encode_color, encode_depth
 from slam.database.records import NodeRecord
@@ -84,6 +84,13 @@ def read_cameras(connection: Connection, node_id: int) -> tuple[Camera, ...]:
     """The cameras of a node; DatabaseError when the node has none."""
     cameras = unpack_cameras(_present(_blob(connection, node_id, data.c.calibration), node_id, "calibration"))
     return _sized(connection, node_id, cameras)
+
+
+def read_baselines(connection: Connection, node_id: int) -> tuple[float, ...]:
+    """Baseline in metres of each stereo pair of a node; none for one whose depth was measured, or without a camera."""
+    blob = _blob(connection, node_id, data.c.calibration)
+    rig = unpack_rig(blob) if blob is not None and len(blob) > NOTHING else ()
+    return tuple(baseline for _, baseline in rig if baseline is not None)
 
 
 def read_scan(connection: Connection, node_id: int) -> Scan | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,7 @@ def circle(count: int) -> dict[int, np.ndarray]:
     return poses
 
 
-def graph_of(truth: dict[int, np.ndarray], drift: float, first: int = 1, map_id: int = 0) -> PoseGraph:
+def graph_of(truth: dict[int, np.ndarray], drift: float) -> PoseGraph:
     """Odometry that turns too far, and one loop that tells."""
     graph = PoseGraph()
     off = make(so3_exp(np.array([0.0, 0.0, drift])), np.zeros(3))
@@ -37,8 +38,8 @@ def graph_of(truth: dict[int, np.ndarray], drift: float, first: int = 1, map_id:
     for before, node_id in zip([None, *ids], ids, strict=False):
         if before is not None:
             T = T @ between(truth[before], truth[node_id]) @ off
-        graph.add_node(node_id, map_id, T, T)
-    for a, b in zip(ids, ids[1:], strict=False):
+        graph.add_node(node_id, 0, T, T)
+    for a, b in pairwise(ids):
         graph.add_link(Link(b, a, LinkType.NEIGHBOR, between(graph.T_odom[b], graph.T_odom[a]), INFORMATION))
     a, b = ids[-1], ids[0]
     graph.add_link(Link(a, b, LinkType.GLOBAL_CLOSURE, between(truth[a], truth[b]), 1e4 * INFORMATION))
@@ -51,7 +52,9 @@ def test_without_any_pose_the_oldest_node_is_where_odometry_has_it() -> None:
     poses = completed(graph, {}, Params())
     assert poses.keys() == truth.keys()
     np.testing.assert_allclose(poses[1], truth[1], atol=1e-9)
-    assert translation_norm(between(poses[12], truth[12])) < 0.05 < translation_norm(between(graph.T_odom[12], truth[12]))
+    assert (
+        translation_norm(between(poses[12], truth[12])) < 0.05 < translation_norm(between(graph.T_odom[12], truth[12]))
+    )
 
 
 def test_what_is_stored_says_where_the_rest_is() -> None:
