@@ -4,8 +4,22 @@ from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList
 from server.schemas.decisions import Decision, DecisionAction, DecisionEffect, DecisionResult, Journal, JournalEntry
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
 from server.schemas.links import LinkDetail, LinkMatches, LoopReason, LoopRow, Loops
-from server.schemas.maps import MapFacts, MapInfo, Maps, MapSummary
-from server.schemas.nodes import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
+from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
+from server.schemas.nodes import (
+    CameraModel,
+    CloudFacts,
+    GpsFix,
+    GridFacts,
+    NodeDetail,
+    NodeFeatures,
+    NodeLink,
+    NodePage,
+    NodeRow,
+    NodeSensors,
+    SensorReading,
+    UserData,
+    Vector,
+)
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterSet
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
@@ -13,6 +27,7 @@ from server.schemas.statistics import Hypothesis, StatisticNames, Statistics
 
 __all__ = [
     "CameraModel",
+    "CloudFacts",
     "Colouring",
     "Decision",
     "DecisionAction",
@@ -20,10 +35,14 @@ __all__ = [
     "DecisionResult",
     "ErrorBody",
     "ErrorDetail",
+    "GpsFix",
     "Graph",
+    "GridFacts",
     "Hypothesis",
     "Journal",
     "JournalEntry",
+    "Landmark",
+    "Landmarks",
     "LayerChange",
     "LinkColumns",
     "LinkDetail",
@@ -41,6 +60,7 @@ __all__ = [
     "NodeLink",
     "NodePage",
     "NodeRow",
+    "NodeSensors",
     "Parameter",
     "ParameterChanges",
     "ParameterSet",
@@ -51,10 +71,14 @@ __all__ = [
     "SceneChange",
     "SceneLayers",
     "Schema",
+    "SensorReading",
     "Session",
     "SessionCommand",
+    "SessionFacts",
     "Size",
     "StartRun",
     "StatisticNames",
     "Statistics",
+    "UserData",
+    "Vector",
 ]

@@ -45,17 +45,17 @@ VERSIONS = (
 )
 
 
-@pytest.fixture(params=VERSIONS, ids=lambda version: ".".join(map(str, version)))
+@pytest.fixture(scope="module", params=VERSIONS, ids=lambda version: ".".join(map(str, version)))
 def version(request: pytest.FixtureRequest) -> old.Version:
     """One that changed something."""
     found: old.Version = request.param
     return found
 
 
-@pytest.fixture
-def reader(tmp_path: Path, version: old.Version) -> MapReader:
+@pytest.fixture(scope="module")
+def reader(tmp_path_factory: pytest.TempPathFactory, version: old.Version) -> MapReader:
     """Of a file of this version."""
-    return MapReader(old.write_old(tmp_path / "old.db", version))
+    return MapReader(old.write_old(tmp_path_factory.mktemp("old") / "old.db", version))
 
 
 def test_nodes_have_what_the_version_stored(reader: MapReader, version: old.Version) -> None:
