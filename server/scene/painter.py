@@ -84,12 +84,13 @@ class Painter:
         before = self._shown
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
         picture = Picture(snapshot, graph, state)
-        usable = _with_images(snapshot) if state.layers.cloud else set()
+        with_images = _with_images(snapshot) if state.layers.cloud else set()
+        with_scans = snapshot.reader.nodes_with("scan").tolist() if state.layers.cloud else []
         grid = snapshot.reader.grid() if state.layers.grid else None
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
-            self._clouds.draw(graph, usable, visible=state.layers.cloud)
+            self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud)
             self._draw_graph(picture)
             self._highlight.draw(snapshot, graph, *_selection(state), picture.measure, picture.look)
             self._floor.draw_grid(grid, picture.look, visible=state.layers.grid)

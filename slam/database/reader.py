@@ -31,7 +31,7 @@ from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.types import Features, Link, LocalGrid, OccupancyGrid, Scan
 
-_KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration}
+_KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration, "scan": data.c.scan}
 
 
 class MapReader(DeckReader):
@@ -56,7 +56,7 @@ class MapReader(DeckReader):
         with self._reading("reading the nodes") as connection:
             return np.array(sorted(node_rows.read_node_ids(connection)), dtype=np.int32)
 
-    def nodes_with(self, kind: Literal["image", "depth", "calibration"]) -> NDArray[np.int32]:
+    def nodes_with(self, kind: Literal["image", "depth", "calibration", "scan"]) -> NDArray[np.int32]:
         """Ascending ids of the nodes that have data of a kind."""
         with self._reading("reading the nodes") as connection:
             return data_rows.read_ids_with(connection, _KINDS[kind])
