@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from slam.database import MapReader
@@ -21,12 +21,8 @@ class Completion:
     failure: str | None = None
 
 
-def complete(
-    reader: MapReader, stored: Mapping[int, Pose], pairs: Collection[tuple[int, int]], params: Params
-) -> Completion:
+def complete(reader: MapReader, stored: Mapping[int, Pose], params: Params) -> Completion:
     """Poses of the nodes that links join and that have none stored."""
-    if all(node_id in stored for pair in pairs for node_id in pair):
-        return Completion()
     try:
         return Completion(completed(PoseGraph.from_reader(reader), stored, params))
     except OptimizationError as error:

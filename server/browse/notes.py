@@ -20,7 +20,7 @@ def _ending(snapshot: Snapshot, clean: bool) -> Iterator[str]:
         yield "The last session was not closed in order: what its program held in memory at the end is missing."
     one_way = snapshot.reader.one_way_links()
     if one_way:
-        yield f"{one_way} links between neighbours are stored in one direction only; both are used."
+        yield f"Links between neighbours that are stored in one direction only, and used all the same: {one_way}."
     if not snapshot.reader.parameters():
         yield "It does not say with what parameters it was made: the defaults are shown."
 
@@ -33,9 +33,13 @@ def _poses(snapshot: Snapshot) -> Iterator[str]:
     if count:
         which = f"{count} nodes lack optimised poses" if snapshot.stored_poses else "No optimised poses are stored"
         yield f"{which}: they are computed from the links, and not written."
+    if done.failure is None:
+        alone = len((snapshot.rows.keys() & snapshot.poses.keys()) - snapshot.stored_poses.keys() - done.poses.keys())
+        if alone:
+            yield f"Nodes without links and optimised poses, shown where odometry has them: {alone}."
     lost = [node_id for node_id in snapshot.rows if node_id not in snapshot.poses]
     if lost:
-        yield f"{len(lost)} nodes have no pose at all, not even of odometry, and are not drawn (first: {lost[0]})."
+        yield f"Nodes without any pose, even of odometry, which are not drawn: {len(lost)} (first: {lost[0]})."
 
 
 def _age(snapshot: Snapshot) -> Iterator[str]:

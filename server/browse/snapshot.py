@@ -65,7 +65,9 @@ class Snapshot:
     @cached_property
     def completion(self) -> Completion:
         """Optimised poses that the file lacks."""
-        return complete(self.reader, self.stored_poses, self.links, self.params)
+        if all(node_id in self.stored_poses for pair in self.links for node_id in pair):
+            return Completion()
+        return complete(self.reader, self.stored_poses, self.params)
 
     @cached_property
     def stored_poses(self) -> dict[int, Pose]:

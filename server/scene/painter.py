@@ -14,6 +14,7 @@ from server.scene.floor import FloorLayer, floor_height
 from server.scene.framing import FIELD_OF_VIEW, Framing, frame
 from server.scene.frusta import FrustumLayer
 from server.scene.highlight import Highlight
+from server.scene.landmarks import LandmarkLayer
 from server.scene.links import LinkLayer
 from server.scene.measure import Measure
 from server.scene.newest import NewestLayer
@@ -66,6 +67,7 @@ class Painter:
         self._floor = FloorLayer(scene)
         self._frusta = FrustumLayer(scene)
         self._newest = NewestLayer(scene)
+        self._landmarks = LandmarkLayer(scene)
         self._highlight = Highlight(scene)
         self._framing: Framing | None = None
         self._shown: Picture | None = None
@@ -124,6 +126,7 @@ class Painter:
         self._links.draw(graph, measure.node, look, visible=layers.graph)
         self._paths.draw(graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth)
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
+        self._landmarks.draw(picture.snapshot.poses, measure.frustum, visible=layers.graph)
         self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph)
 
     def _draw_ground(self, picture: Picture) -> None:

@@ -63,13 +63,15 @@ function Links({ node }) {
       ${node.links.map(({ from, to, type, translation_m }) => {
         const other = from === node.id ? to : from;
         const own = from === to || to < 0;
+        const merged = !own && translation_m === null;
         return html`<li key=${`${from}-${to}-${type}`}>
           ${own
             ? html`<span>${to < 0 ? `landmark ${-to}` : "itself"}</span>`
             : html`<a href=${link({ view: "nodes", key: other })}>node ${other}</a>`}
-          ${h(LinkName, { type })}
-          <span class="quiet grow right">${type === "Gravity" ? "" : text.length(translation_m)}</span>
+          ${merged ? html`<span class="quiet">${from === node.id ? "merged into it" : "merged into this"}</span>` : h(LinkName, { type })}
+          <span class="quiet grow right">${type === "Gravity" || merged ? "" : text.length(translation_m)}</span>
           ${!own &&
+          !merged &&
           html`<a href=${link({ view: "loops", key: `${from}-${to}` })} aria-label=${`Evidence of link ${from} to ${to}`}>evidence</a>`}
         </li>`;
       })}

@@ -81,7 +81,7 @@ def test_a_killed_map_says_what_is_missing(client: RunningApp) -> None:
     assert not info["clean"]
     assert [note.partition(":")[0] for note in info["notes"]] == [
         "The last session was not closed in order",
-        "2 links between neighbours are stored in one direction only; both are used.",
+        "Links between neighbours that are stored in one direction only, and used all the same",
         "It does not say with what parameters it was made",
         "No optimised poses are stored",
     ]
@@ -144,3 +144,18 @@ def test_looking_changes_no_byte(client: RunningApp, tmp_path: Path) -> None:
             assert get_any.status_code == 200, get_any.text
     assert sorted((tmp_path / "maps").iterdir()) == files
     assert [hashlib.sha256(path.read_bytes()).hexdigest() for path in files] == before
+
+
+def test_a_real_file_of_a_killed_program(shared_data: Path, start_app: StartApp) -> None:
+    (path,) = (shared_data / "rtabmap_db").glob("Strroke21*.db")
+    client = start_app(path)
+    name = f"/api/maps/{path.stem}"
+    info = get(client, name)
+    assert [note[:20] for note in info["notes"]] == [
+        "The last session was",
+        "Links between neighb",
+        "No optimised poses a",
+    ]
+    nodes = get(client, f"{name}/graph")["nodes"]
+    assert len(nodes["id"]) == 50
+    assert None not in nodes["pose"]
