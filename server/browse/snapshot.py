@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from server.browse.completion import Completion, complete
 from slam.accuracy import frames_ate_m, pooled_ate_m
 from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
 from slam.errors import ParameterError
@@ -40,9 +41,14 @@ class Snapshot:
         self.tiers = tiers
 
     @cached_property
+    def all_nodes(self) -> NodeTable:
+        """All nodes of the file, with the merged and dropped ones, which are no part of the map."""
+        return self.reader.nodes()
+
+    @cached_property
     def nodes(self) -> NodeTable:
         """The nodes of the map, without the merged and dropped ones."""
-        table = self.reader.nodes()
+        table = self.all_nodes
         kept = table.weights > WEIGHT_INVALID
         return NodeTable(
             ids=table.ids[kept],
@@ -60,9 +66,21 @@ class Snapshot:
         return {int(node_id): row for row, node_id in enumerate(self.nodes.ids)}
 
     @cached_property
+    def completion(self) -> Completion:
+        """Optimised poses that the file lacks."""
+        if all(node_id in self.stored_poses for pair in self.links for node_id in pair):
+            return Completion()
+        return complete(self.reader, self.stored_poses, self.params)
+
+    @cached_property
+    def stored_poses(self) -> dict[int, Pose]:
+        """Optimised poses T_map_base as they are in the file."""
+        return self.reader.poses()
+
+    @cached_property
     def poses(self) -> dict[int, Pose]:
-        """T_map_base by id: optimised, or as odometry says where the file holds no optimised one."""
-        stored = self.reader.poses()
+        """T_map_base by id, landmarks (negative) too: optimised, or as odometry says of nodes without links."""
+        stored = self.stored_poses | self.completion.poses
         table = self.nodes
         for node_id, T_odom_base in zip(table.ids.tolist(), table.T_odom, strict=True):
             if node_id not in stored and np.isfinite(T_odom_base).all():
@@ -70,10 +88,20 @@ class Snapshot:
         return stored
 
     @cached_property
+    def all_links(self) -> list[Link]:
+        """All links of the file, each pair once."""
+        return self.reader.links()
+
+    @cached_property
     def links(self) -> dict[Pair, Link]:
         """Links between two nodes of the map, by both ids, smaller first."""
-        found = self.reader.links()
+        found = self.all_links
         return {link.pair: link for link in found if link.from_id != link.to_id and set(link.pair) <= self.rows.keys()}
+
+    @cached_property
+    def constraints(self) -> list[Link]:
+        """Priors, gravity and sightings of landmarks of the nodes of the map."""
+        return [link for link in self.all_links if link.from_id in self.rows and _is_constraint(link)]
 
     @cached_property
     def residuals(self) -> dict[Pair, float]:
@@ -192,6 +220,10 @@ class Snapshot:
         rows = [self.rows[node_id] for node_id in ids]
         T_map = np.array([poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
         return self.nodes.T_world[rows], T_map, np.array(ids, np.int64)
+
+
+def _is_constraint(link: Link) -> bool:
+    return link.to_id < 0 or (link.from_id == link.to_id and link.T_from_to is not None)
 
 
 def _pair(a: int, b: int) -> Pair:

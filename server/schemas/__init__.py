@@ -4,8 +4,22 @@ from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList
 from server.schemas.decisions import Decision, DecisionAction, DecisionEffect, DecisionResult, Journal, JournalEntry
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
 from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRow, Loops
-from server.schemas.maps import MapFacts, MapInfo, Maps, MapSummary
-from server.schemas.nodes import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
+from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
+from server.schemas.nodes import (
+    CameraModel,
+    CloudFacts,
+    GpsFix,
+    GridFacts,
+    NodeDetail,
+    NodeFeatures,
+    NodeLink,
+    NodePage,
+    NodeRow,
+    NodeSensors,
+    SensorReading,
+    UserData,
+    Vector,
+)
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
@@ -14,6 +28,7 @@ from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
     "CameraModel",
+    "CloudFacts",
     "Colouring",
     "Decision",
     "DecisionAction",
@@ -21,10 +36,14 @@ __all__ = [
     "DecisionResult",
     "ErrorBody",
     "ErrorDetail",
+    "GpsFix",
     "Graph",
+    "GridFacts",
     "Hypothesis",
     "Journal",
     "JournalEntry",
+    "Landmark",
+    "Landmarks",
     "LayerChange",
     "LinkColumns",
     "LinkDetail",
@@ -44,6 +63,7 @@ __all__ = [
     "NodeLink",
     "NodePage",
     "NodeRow",
+    "NodeSensors",
     "Parameter",
     "ParameterChanges",
     "ParameterChoice",
@@ -55,12 +75,16 @@ __all__ = [
     "SceneChange",
     "SceneLayers",
     "Schema",
+    "SensorReading",
     "Session",
     "SessionCommand",
+    "SessionFacts",
     "Size",
     "StartRun",
     "StatisticNames",
     "Statistics",
+    "UserData",
+    "Vector",
     "WhatIfGraph",
     "WhatIfLoop",
 ]

@@ -14,7 +14,7 @@ from slam.database import admin_rows, node_record, pose_rows, session_rows, time
 from slam.database.connection import close_plainly, open_for_writing
 from slam.database.data_rows import EncodedData
 from slam.database.decision import write_decision
-from slam.database.file_check import check_file, check_version
+from slam.database.file_check import check_file, check_writable_version
 from slam.database.frame_rows import insert_frames
 from slam.database.lock import MapLock, locked
 from slam.database.new_file import create_file
@@ -211,7 +211,7 @@ class MapWriter:
 
 
 def _check_version(connection: Connection) -> None:
-    check_version(admin_rows.read_version(connection))
+    check_writable_version(admin_rows.read_version(connection))
 
 
 def _prepare(connection: Connection) -> KnownIds:

@@ -128,6 +128,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/landmarks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Landmarks
+         * @description Tags and markers that were seen.
+         */
+        get: operations["list_landmarks"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/links/{from_id}/{to_id}": {
         parameters: {
             query?: never;
@@ -280,6 +300,26 @@ export interface paths {
          * @description The colour image as it is stored.
          */
         get: operations["get_node_image"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/right": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Right
+         * @description The right image of a stereo pair as it is stored.
+         */
+        get: operations["get_node_right"];
         put?: never;
         post?: never;
         delete?: never;
@@ -469,6 +509,11 @@ export interface components {
          * @description A rectified pinhole camera, in pixels.
          */
         CameraModel: {
+            /**
+             * Baseline M
+             * @description Of a stereo pair, whose left camera this is.
+             */
+            baseline_m?: number | null;
             /** Cx */
             cx: number;
             /** Cy */
@@ -481,6 +526,21 @@ export interface components {
             height: number;
             /** Width */
             width: number;
+        };
+        /**
+         * CloudFacts
+         * @description The stored scan of a node.
+         */
+        CloudFacts: {
+            /** Normals */
+            normals: boolean;
+            /** Points */
+            points: number;
+            /**
+             * Range M
+             * @description Distance of the farthest point from the base.
+             */
+            range_m: number;
         };
         /**
          * Decision
@@ -554,6 +614,27 @@ export interface components {
             status: number;
         };
         /**
+         * GpsFix
+         * @description A position on the earth; degrees, metres, seconds.
+         */
+        GpsFix: {
+            /** Altitude */
+            altitude: number;
+            /**
+             * Bearing
+             * @description Clockwise from north.
+             */
+            bearing: number;
+            /** Error */
+            error: number;
+            /** Latitude */
+            latitude: number;
+            /** Longitude */
+            longitude: number;
+            /** Stamp */
+            stamp: number;
+        };
+        /**
          * Graph
          * @description The graph, or what came to it since a revision.
          */
@@ -574,6 +655,20 @@ export interface components {
             nodes: components["schemas"]["NodeColumns"];
             /** Revision */
             revision: number;
+        };
+        /**
+         * GridFacts
+         * @description Cells of a node's local grid.
+         */
+        GridFacts: {
+            /** Cell Size M */
+            cell_size_m: number;
+            /** Empty */
+            empty: number;
+            /** Ground */
+            ground: number;
+            /** Obstacles */
+            obstacles: number;
         };
         /**
          * Hypothesis
@@ -627,6 +722,40 @@ export interface components {
             to_id: number;
             /** Undone By */
             undone_by: number | null;
+        };
+        /**
+         * Landmark
+         * @description A tag or marker that nodes saw.
+         */
+        Landmark: {
+            /**
+             * Id
+             * @description Its number, positive; links to it have the negative one.
+             */
+            id: number;
+            /**
+             * Length M
+             * @description Of the marker's side, where it is stored.
+             */
+            length_m: number | null;
+            /**
+             * Pose
+             * @description In the map frame; None where no pose of it is known.
+             */
+            pose: number[] | null;
+            /**
+             * Seen From
+             * @description Ids of the nodes that saw it.
+             */
+            seen_from: number[];
+        };
+        /**
+         * Landmarks
+         * @description All landmarks of a map.
+         */
+        Landmarks: {
+            /** Landmarks */
+            landmarks: components["schemas"]["Landmark"][];
         };
         /**
          * LayerChange
@@ -930,6 +1059,11 @@ export interface components {
             /** Nodes */
             nodes: number;
             /**
+             * Notes
+             * @description What is missing in the file and what was made up for, in sentences.
+             */
+            notes: string[];
+            /**
              * Parameters
              * @description Those that differ from the defaults.
              */
@@ -938,6 +1072,8 @@ export interface components {
             };
             /** Seeds */
             seeds: number[];
+            /** Session List */
+            session_list: components["schemas"]["SessionFacts"][];
             /** Sessions */
             sessions: number;
             /** Size Bytes */
@@ -1032,6 +1168,11 @@ export interface components {
          */
         NodeDetail: {
             camera: components["schemas"]["CameraModel"] | null;
+            /**
+             * Cameras
+             * @description All cameras, in the order of the tiles of the image; the first is ``camera``.
+             */
+            cameras: components["schemas"]["CameraModel"][];
             /** Decisions */
             decisions: components["schemas"]["JournalEntry"][];
             /** Features */
@@ -1040,6 +1181,11 @@ export interface components {
             has_depth: boolean;
             /** Has Image */
             has_image: boolean;
+            /**
+             * Has Right
+             * @description Whether the right image of a stereo pair is stored, in place of depth.
+             */
+            has_right: boolean;
             /** Id */
             id: number;
             /** Label */
@@ -1054,6 +1200,7 @@ export interface components {
             odom: number[] | null;
             /** Pose */
             pose: number[] | null;
+            sensors: components["schemas"]["NodeSensors"];
             /** Stamp */
             stamp: number;
             /** Statistics */
@@ -1142,6 +1289,30 @@ export interface components {
              * @description Key points that became words of the dictionary.
              */
             words: number;
+        };
+        /**
+         * NodeSensors
+         * @description What a node has besides images.
+         */
+        NodeSensors: {
+            gps: components["schemas"]["GpsFix"] | null;
+            grid: components["schemas"]["GridFacts"] | null;
+            /**
+             * Problems
+             * @description What is stored and can't be read, with the reason.
+             */
+            problems: string[];
+            /** Readings */
+            readings: components["schemas"]["SensorReading"][];
+            scan: components["schemas"]["CloudFacts"] | null;
+            user_data: components["schemas"]["UserData"] | null;
+            /** Vectors */
+            vectors: components["schemas"]["Vector"][];
+            /**
+             * Velocity
+             * @description x y z in metres a second, roll pitch yaw in radians a second.
+             */
+            velocity: number[] | null;
         };
         /**
          * Outcome
@@ -1300,6 +1471,20 @@ export interface components {
             truth: boolean;
         };
         /**
+         * SensorReading
+         * @description What an environmental sensor measured.
+         */
+        SensorReading: {
+            /** Name */
+            name: string;
+            /** Stamp */
+            stamp: number;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: number;
+        };
+        /**
          * Session
          * @description What the engine does.
          */
@@ -1338,6 +1523,25 @@ export interface components {
              * @enum {string}
              */
             state: "idle" | "starting" | "running" | "paused" | "finished" | "stopped" | "failed";
+        };
+        /**
+         * SessionFacts
+         * @description A session of a map.
+         */
+        SessionFacts: {
+            /** Clean */
+            clean: boolean;
+            /**
+             * Joined With
+             * @description Sessions that links join with this one.
+             */
+            joined_with: number[];
+            /** Map Id */
+            map_id: number;
+            /** Nodes */
+            nodes: number;
+            /** Source */
+            source: string;
         };
         /**
          * Size
@@ -1414,6 +1618,33 @@ export interface components {
          * @enum {string}
          */
         Tier: "stm" | "wm" | "ltm";
+        /**
+         * UserData
+         * @description What a program attached to a node.
+         */
+        UserData: {
+            /** Columns */
+            columns: number;
+            /** Rows */
+            rows: number;
+            /**
+             * Text
+             * @description Where it is text.
+             */
+            text: string | null;
+            /** Type */
+            type: string;
+        };
+        /**
+         * Vector
+         * @description A descriptor of the whole image.
+         */
+        Vector: {
+            /** Size */
+            size: number;
+            /** Type */
+            type: number;
+        };
         /**
          * WhatIfGraph
          * @description Where the nodes would be.
@@ -1958,6 +2189,74 @@ export interface operations {
             };
         };
     };
+    list_landmarks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Landmarks"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_link: {
         parameters: {
             query?: never;
@@ -2175,6 +2474,8 @@ export interface operations {
                 offset?: number;
                 limit?: number;
                 order?: "id" | "-id" | "weight" | "-weight" | "stamp" | "-stamp";
+                /** @description With merged and dropped nodes, which are no part of the map. */
+                dropped?: boolean;
                 /** @description Text in id or label. */
                 q?: string;
             };
@@ -2454,6 +2755,76 @@ export interface operations {
         };
     };
     get_node_image: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The image as it is stored. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": unknown;
+                    "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_right: {
         parameters: {
             query?: never;
             header?: never;
