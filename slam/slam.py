@@ -32,7 +32,7 @@ from slam.memory.retrieval import choose_retrieval
 from slam.memory.signature import too_few_words
 from slam.memory.speed import Speed
 from slam.memory.transfer import choose_transfer
-from slam.odometry.strategy import make_tracker
+from slam.odometry.strategy import Tracker, make_tracker
 from slam.params import Effect, Params, Value, spec
 from slam.registration.refining import Neighbor, refine
 from slam.registration.scan import equipped
@@ -63,6 +63,7 @@ class Slam:
         seed: int = 0,
         source: str = "",
         past: Past | None = None,
+        tracker: Tracker | None = None,
     ) -> None:
         """An engine on an empty map, or on what earlier sessions left.
 
@@ -72,6 +73,7 @@ class Slam:
             seed: of everything random.
             source: what the frames come from, for the sessions that odometry begins anew.
             past: the earlier sessions of that file; until a loop joins it, the new one is a graph of its own.
+            tracker: gives the frames their odometry; None for the one that the parameters name.
         """
         self.params = params
         long_term = RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path))
@@ -83,7 +85,7 @@ class Slam:
         self._map_id = 0 if writer is None else writer.map_id
         self._writer = writer
         self._seed, self._source = seed, source
-        self._odometry = make_tracker(params)
+        self._odometry = make_tracker(params) if tracker is None else tracker
         self._node_features = NodeFeatures()
         self._loops = LoopDetector()
         self._active = ActiveGraph(self.graph)
@@ -283,7 +285,8 @@ class Slam:
     def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
         assert odometry.T_odom_base is not None
         features, best = self._node_features.of(frame, odometry.features, self.params)
-        word_ids, words = self.memory.quantize(features, self.params, best)
+        adopted = None if frame.stored is None else self.memory.adopt(frame.stored)
+        word_ids, words = adopted or self.memory.quantize(features, self.params, best)
         node = Node(
             id=self._newest_id + 1,
             map_id=self._map_id + int(self._last is not None and self._restarted()),
@@ -335,12 +338,15 @@ class Slam:
         return neighbor
 
     def _level(self, node: Node, frame: Frame) -> tuple[Link, ...]:
-        """Tells the graph which way is up at a node, where an accelerometer says so."""
-        if frame.T_gravity_base is None:
-            return ()
-        link = Link(node.id, node.id, LinkType.GRAVITY, frame.T_gravity_base, np.eye(6))
-        self._active.add_constraint(link)
-        return (link,)
+        """Tells the graph what is known of a node alone: which way is up, and what the file that is replayed says."""
+        links: list[Link] = []
+        if frame.T_gravity_base is not None:
+            links.append(Link(node.id, node.id, LinkType.GRAVITY, frame.T_gravity_base, np.eye(6)))
+        for link in frame.stored.constraints if frame.stored is not None else ():
+            links.append(replace(link, from_id=node.id, to_id=link.to_id if link.to_id < 0 else node.id))
+        for link in links:
+            self._active.add_constraint(link)
+        return tuple(links)
 
     def _follow(self, node: Node, closed: Closed) -> None:
         """All poses follow the optimised ones: those in RAM at once, those in long-term memory now and then."""
@@ -413,8 +419,8 @@ class Slam:
         record = NodeRecord(
             node=update.node,
             update=update,
-            image_bgr=frame.image_bgr,
-            depth_m=frame.depth_m,
+            image_bgr=frame.image_bgr if frame.image_bgr.size else None,
+            depth_m=frame.depth_m if frame.depth_m.size else None,
             links=links,
             words=words,
             renamed_words=self.memory.take_renamed(),
@@ -425,6 +431,7 @@ class Slam:
             frames=tuple(self._unwritten),
             poses={i: self.graph.poses[i] for i in sorted(self._moved)},
             grid_map=self._grid.occupancy_in_turn(),
+            stored=frame.stored,
         )
         self._writer.add_node(record)
         self._unwritten, self._weights, self._moved = [], {}, set()

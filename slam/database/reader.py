@@ -22,6 +22,7 @@ from slam.database.records import WordRows
 from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
 from slam.database.schema import has_deck_tables
 from slam.database.session_rows import read_sessions
+from slam.database.stored_rows import read_stored_columns
 from slam.database.tables import data
 from slam.database.time_enter import read_memory_ids
 from slam.database.word_rows import read_last_word_id, read_words
@@ -139,6 +140,11 @@ class MapReader(DeckReader):
         """The cloud of a node in its base frame; None when it has none."""
         with self._reading(f"reading the cloud of node {node_id}") as connection, _about(self.path, node_id):
             return data_rows.read_scan(connection, node_id)
+
+    def stored_columns(self, node_id: int) -> tuple[dict[str, object], dict[str, object]]:
+        """What a replay hands on of a node, as it is: columns of the tables Node and Data by name."""
+        with self._reading(f"reading node {node_id}") as connection:
+            return read_stored_columns(connection, node_id)
 
     def last_word_id(self) -> int:
         """The largest id of a word, 0 when there is none."""
