@@ -14,6 +14,7 @@ from slam.camera import Camera
 from slam.database import admin_rows, data_rows, node_rows, pose_rows, statistics_rows
 from slam.database.deck_reader import DeckReader
 from slam.database.feature_rows import read_features
+from slam.database.flaws import Flaws, read_flaws
 from slam.database.images import decode_color, decode_depth
 from slam.database.info import read_info
 from slam.database.link_rows import read_links
@@ -176,6 +177,11 @@ class MapReader(DeckReader):
         """Ascending ids of the nodes and of the words that RTAB-Map would load into working memory."""
         with self._reading("reading the working memory") as connection:
             return read_memory_ids(connection)
+
+    def flaws(self) -> Flaws:
+        """What is missing or too much in the file."""
+        with self._reading("looking for flaws") as connection:
+            return read_flaws(connection)
 
     def parameters(self) -> dict[str, str]:
         """Parameters of the newest session, as text by name."""

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 from slam.database import MapReader
 from slam.errors import ParameterError
-from slam.params import Params, Value, specs
+from slam.params import Params, Value, format_value, specs
+from slam.params.ini import rtabmap_default
 
+_TRUTH = {"true": "1", "false": "0"}
 #: Groups of parameters that decide which key points are found in an image, and how they are described.
 _DETECTORS = frozenset(["ALIKED", "BRIEF", "BRISK", "DISK", "FAST", "FREAK", "GFTT", "KAZE", "ORB", "SIFT", "SURF"])
 _REGION = ("GridCols", "GridRows", "MaxDepth", "MinDepth", "RoiRatios")
@@ -62,3 +64,48 @@ def changes_words(changes: Mapping[str, Value], params: Params) -> bool:
 def _changed(changes: Mapping[str, Value], params: Params) -> list[str]:
     after = params.changed(changes)
     return sorted(name for name in changes if after.get(name) != params.get(name))
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A parameter that two files, or a file and the defaults, do not agree on.
+
+    Attributes:
+        name: full name.
+        values: as text in each file, None where it does not have it.
+        default: of slamdeck, None where only RTAB-Map has the parameter.
+        rtabmap: default of RTAB-Map, None where it has no such parameter, empty where its builds differ.
+    """
+
+    name: str
+    values: tuple[str | None, ...]
+    default: str | None
+    rtabmap: str | None
+
+
+def differences(*files: Mapping[str, str]) -> list[Difference]:
+    """Parameters that files don't agree on, by name; of one file those that differ from the defaults.
+
+    What a file does not have is at its default: slamdeck's where slamdeck has the parameter, else RTAB-Map's.
+    """
+    own = {entry.name: format_value(entry.default) for entry in specs()}
+    found = []
+    for name in sorted(set().union(*files)):
+        default, rtabmap = own.get(name), rtabmap_default(name)
+        values = tuple(file.get(name) for file in files)
+        usual = rtabmap if default is None else default
+        compared = values if len(files) > 1 else (*values, None)
+        in_force = [usual if value is None else value for value in compared]
+        # Nothing can be said where one file lacks what only some builds of RTAB-Map have.
+        known = [value for value in in_force if value is not None]
+        if len(known) == len(in_force) and not all(same_value(known[0], other) for other in known[1:]):
+            found.append(Difference(name, values, default, rtabmap))
+    return found
+
+
+def same_value(a: str, b: str) -> bool:
+    """Whether two texts mean the same value: numbers and yes or no are compared as such."""
+    try:
+        return float(a) == float(b)
+    except ValueError:
+        return _TRUTH.get(a.strip().lower(), a) == _TRUTH.get(b.strip().lower(), b)
