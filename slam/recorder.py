@@ -64,8 +64,9 @@ class Recorder:
         record = NodeRecord(
             node=node,
             update=update,
-            image_bgr=frame.image_bgr,
-            depth_m=frame.depth_m,
+            image_bgr=frame.image_bgr if frame.image_bgr.size else None,
+            depth_m=frame.depth_m if frame.depth_m.size else None,
+            stored=frame.stored,
             links=tuple(link for link in links if self._tiers.graph.has(*link.pair)),
             removed_links=tuple((link.from_id, link.to_id) for link in removed),
             reductions=reductions,

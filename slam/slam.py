@@ -26,7 +26,7 @@ from slam.memory.rehearsal import Rehearsal, moved, rehearse
 from slam.memory.signature import too_few_words
 from slam.memory.tiers import Tiers
 from slam.motion import Motion
-from slam.odometry.strategy import make_tracker
+from slam.odometry.strategy import Tracker, make_tracker
 from slam.params import Effect, Params, Value, spec
 from slam.recorder import Recorder
 from slam.registration.refining import Neighbor, refine
@@ -53,6 +53,7 @@ class Slam:
         seed: int = 0,
         source: str = "",
         past: Past | None = None,
+        tracker: Tracker | None = None,
     ) -> None:
         """An engine on an empty map, or on what earlier sessions left.
 
@@ -62,6 +63,7 @@ class Slam:
             seed: of everything random.
             source: what the frames come from, for the sessions that odometry begins anew.
             past: the earlier sessions of that file; until a loop joins it, the new one is a graph of its own.
+            tracker: gives the frames their odometry; None for the one that the parameters name.
         """
         self.params = params
         long_term = RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path))
@@ -70,7 +72,7 @@ class Slam:
         self.memory = Memory(long_term, seed=seed, dictionary=dictionary) if past is None else past.memory
         self._newest_id = 0 if past is None else past.last_id
         self._map_id = 0 if writer is None else writer.map_id
-        self._odometry = make_tracker(params)
+        self._odometry = make_tracker(params) if tracker is None else tracker
         self._motion = Motion()
         self._tracked = TrackedFrames([] if past is None else past.frames)
         self._node_features = NodeFeatures()
@@ -216,7 +218,8 @@ class Slam:
     def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
         assert odometry.T_odom_base is not None
         features, best = self._node_features.of(frame, odometry.features, self.params)
-        word_ids, words = self.memory.quantize(features, self.params, best)
+        adopted = None if frame.stored is None else self.memory.adopt(frame.stored)
+        word_ids, words = adopted or self.memory.quantize(features, self.params, best)
         node = Node(
             id=self._newest_id + 1,
             map_id=self._map_id + int(self._last is not None and self._motion.restarted),
@@ -274,9 +277,12 @@ class Slam:
         return reductions
 
     def _level(self, node: Node, frame: Frame) -> tuple[Link, ...]:
-        """Tells the graph which way is up at a node, where an accelerometer says so."""
-        if frame.T_gravity_base is None:
-            return ()
-        link = Link(node.id, node.id, LinkType.GRAVITY, frame.T_gravity_base, np.eye(6))
-        self._active.add_constraint(link)
-        return (link,)
+        """Tells the graph what is known of a node alone: which way is up, and what the file that is replayed says."""
+        links: list[Link] = []
+        if frame.T_gravity_base is not None:
+            links.append(Link(node.id, node.id, LinkType.GRAVITY, frame.T_gravity_base, np.eye(6)))
+        for link in frame.stored.constraints if frame.stored is not None else ():
+            links.append(replace(link, from_id=node.id, to_id=link.to_id if link.to_id < 0 else node.id))
+        for link in links:
+            self._active.add_constraint(link)
+        return tuple(links)

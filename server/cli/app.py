@@ -10,6 +10,7 @@ from server.cli.demo import demo
 from server.cli.export import export
 from server.cli.info import info
 from server.cli.params import params
+from server.cli.reprocess import reprocess
 from server.cli.run import run
 from server.cli.serve import serve
 
@@ -40,5 +41,5 @@ def options(
     """RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct."""
 
 
-for command in (demo, run, serve, info, export, params):
+for command in (demo, run, serve, info, reprocess, export, params):
     app.command()(command)

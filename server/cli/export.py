@@ -1,4 +1,4 @@
-"""``slamdeck export``: poses for other tools."""
+"""``slamdeck export``: poses, images and thinned copies for other tools."""
 
 from __future__ import annotations
 
@@ -8,31 +8,85 @@ from typing import Annotated
 
 import typer
 
+from server.cli.options import ForceOption
+from slam.errors import DatabaseError
+
 
 class Format(StrEnum):
     """Text formats of trajectories and graphs."""
 
     TUM = "tum"
+    TUM_ID = "tum-id"
+    RGBD_SLAM = "rgbd-slam"
+    RAW = "raw"
     KITTI = "kitti"
+    TORO = "toro"
     G2O = "g2o"
 
 
-class PoseOf(StrEnum):
+class Whose(StrEnum):
     """Whose path is written."""
 
     CAM = "cam"
     BASE = "base"
 
 
+class Which(StrEnum):
+    """Which poses are written."""
+
+    OPTIMIZED = "optimized"
+    ODOMETRY = "odometry"
+    TRUTH = "truth"
+
+
+class Every(StrEnum):
+    """What has a pose."""
+
+    FRAME = "frame"
+    NODE = "node"
+
+
 def export(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="A map file.")],
-    poses: Annotated[Path, typer.Option(metavar="OUT", help="Text file to write.")],
-    format: Annotated[Format, typer.Option(help="Trajectory as TUM or KITTI, or the graph as g2o.")] = Format.TUM,
-    frame: Annotated[PoseOf, typer.Option(help="Path of the camera's optical frame, or of the base.")] = PoseOf.CAM,
+    poses: Annotated[Path | None, typer.Option(metavar="OUT", help="Text file of poses to write.")] = None,
+    format: Annotated[
+        Format, typer.Option(help="tum-id has node ids, rgbd-slam the axes of motion capture; toro and g2o the graph.")
+    ] = Format.TUM,
+    frame: Annotated[Whose, typer.Option(help="Path of the camera's optical frame, or of the base.")] = Whose.CAM,
+    which: Annotated[Which, typer.Option(help="Optimised poses, odometry, or ground truth.")] = Which.OPTIMIZED,
+    every: Annotated[Every, typer.Option(help="A pose for every tracked frame, or for every node.")] = Every.FRAME,
+    images: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="New folder of images with calibration, as `run` reads it.")
+    ] = None,
+    copy: Annotated[Path | None, typer.Option(metavar="OUT.db", help="Thinned copy of the map to make.")] = None,
+    session: Annotated[list[int] | None, typer.Option(help="--copy: only these sessions.")] = None,
+    rate: Annotated[float | None, typer.Option(help="--copy: at most so many nodes a second.")] = None,
+    start: Annotated[float | None, typer.Option(help="--copy: from so many seconds after the first node on.")] = None,
+    end: Annotated[float | None, typer.Option(help="--copy: up to so many seconds after the first node.")] = None,
+    no_images: Annotated[bool, typer.Option("--no-images", help="--copy: without colour and depth images.")] = False,
+    force: ForceOption = False,
 ) -> None:
-    """Write the optimised path of all frames, or the graph."""
-    from server.exporting import export_poses
+    """Write poses, images, or a thinned copy of a map; at least one of --poses, --images and --copy."""
     from slam.database import MapReader
 
-    count = export_poses(MapReader(path), poses, format.value, frame.value)
-    typer.echo(f"{count} poses written to {poses}", err=True)
+    if poses is None and images is None and copy is None:
+        raise DatabaseError("nothing to export is named: give --poses OUT, --images DIR or --copy OUT.db")
+    reader = MapReader(path)
+    if poses is not None:
+        from slam.tools import poses as tool
+
+        if poses.exists() and poses.samefile(path):
+            raise DatabaseError(f"{poses} is the map itself: choose another name for the poses")
+        count = tool.export_poses(
+            reader, poses, tool.Format(format), tool.Whose(frame), tool.Which(which), tool.Every(every)
+        )
+        typer.echo(f"{count} poses written to {poses}", err=True)
+    if images is not None:
+        from slam.tools.images import export_images
+
+        typer.echo(f"{export_images(reader, images)} images written to {images}", err=True)
+    if copy is not None:
+        from slam.tools.thin import Thinning, thin
+
+        kept = thin(path, copy, Thinning(tuple(session or ()), rate, start, end, images=not no_images), force=force)
+        typer.echo(f"{kept.nodes} of {kept.of} nodes copied to {copy}, {kept.bridges} links bridge gaps", err=True)

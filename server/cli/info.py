@@ -3,33 +3,50 @@
 from __future__ import annotations
 
 import json as json_format
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from server.cli.options import JsonOption
+from slam.errors import DatabaseError
+
 if TYPE_CHECKING:
     from slam.database import MapReader
 
+_UNITS = {"span_s": "s", "odometry_m": "m", "map_m": "m"}
+
 
 def info(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help="A map file of slamdeck or RTAB-Map.")],
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    paths: Annotated[list[Path], typer.Argument(metavar="FILE...", help="A map file of slamdeck or RTAB-Map.")],
+    json: JsonOption = False,
+    diff: Annotated[
+        bool, typer.Option("--diff", help="Compare the parameters of two files, or of one with the defaults.")
+    ] = False,
 ) -> None:
-    """Version, nodes, links, words, sizes, parameters that differ from the defaults, and each session."""
+    """Version, nodes, links, words, sizes, time, length, what is missing, parameters, and each session."""
     from rich.console import Console
     from rich.table import Table
 
     from server.browse.summary import facts
+    from server.cli.parameter_diff import parameter_diff
     from slam.database import MapReader
+    from slam.tools.describe import describe
 
-    reader = MapReader(path)
-    found, sessions = facts(reader.info()), _sessions(reader)
+    if len(paths) > (2 if diff else 1):
+        few = "one or two map files" if diff else "one map file (two with --diff)"
+        raise DatabaseError(f"{len(paths)} files are named: name {few}")
+    if diff:
+        parameter_diff(paths, as_json=json)
+        return
+    reader = MapReader(paths[0])
+    found, sessions, more = facts(reader.info()), _sessions(reader), asdict(describe(reader))
     if json:
-        typer.echo(json_format.dumps({**found.model_dump(), "session_list": sessions}))
+        typer.echo(json_format.dumps({**found.model_dump(), **more, "session_list": sessions}))
         return
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    for name, value in found.model_dump().items():
+    for name, value in {**found.model_dump(), **more}.items():
         table.add_row(name.replace("_", " "), _text(name, value))
     for session in sessions:
         table.add_row(f"session {session['map_id']}", _session_text(session))
@@ -54,6 +71,10 @@ def _text(name: str, value: object) -> str:
         return ", ".join(parts) or "-"
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "-"
+    if name == "missing":
+        return "\n".join(value) if isinstance(value, tuple) and value else "nothing"
+    if name in _UNITS and isinstance(value, float):
+        return f"{value:.2f} {_UNITS[name]}"
     if isinstance(value, bool):
         return "yes" if value else "no"
     return _size(value) if name == "size_bytes" else str(value)

@@ -12,7 +12,7 @@ from slam.params import Params, Value
 from slam.params.ini import known_unused, read_ini
 
 ParamOption = Annotated[
-    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Set a parameter, Rtabmap/LoopThr=0.15.")
+    list[str] | None, typer.Option("--param", "-p", metavar="NAME=VALUE", help="Set a parameter, Rtabmap/LoopThr=0.15.")
 ]
 ConfigOption = Annotated[
     Path | None, typer.Option("--config", metavar="FILE.ini", help="Parameters of RTAB-Map's .ini.")
@@ -31,6 +31,9 @@ NameOption = Annotated[
 SourcesOption = Annotated[
     list[Path] | None, typer.Option("--sources", help="Folder whose sequences the page may have mapped.")
 ]
+
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace an output that is there.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 PORT = 8700
 

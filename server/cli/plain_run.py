@@ -8,16 +8,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
+from server.cli.progress import progress
 from server.engine.mapping import engine_on_map
 from slam.errors import SlamError, SourceError
 from slam.params import Params, Value
 from slam.run import Tally, prepared
 from slam.sensors import Source, open_source
 from slam.slam import Slam
-from slam.types import Frame, Update
+from slam.types import Frame
 
 
 class StoppedError(SlamError):
@@ -36,7 +34,7 @@ def plain_run(
     source, params = open_source(source_url), Params().changed(values)
     opening = engine_on_map(path, params, seed=seed, source=source.name, overwrite=overwrite, append=append)
     tally = Tally()
-    with opening as (slam, _), _signals() as stop, _progress(len(source)) as advance:
+    with opening as (slam, _), _signals() as stop, progress("mapping", len(source)) as advance:
         for frame in _read(source, slam, path):
             update = slam.process(frame)
             tally.add(update)
@@ -77,27 +75,3 @@ def _signals() -> Iterator[_Stop]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-@contextmanager
-def _progress(frames: int) -> Iterator[Any]:
-    """A bar on stderr; silent where stderr is no terminal."""
-    columns = (
-        TextColumn("mapping"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[seen]}"),
-        TimeRemainingColumn(),
-    )
-    terminal = Console(stderr=True)
-    with Progress(*columns, console=terminal, transient=True, disable=not terminal.is_terminal) as bar:
-        task = bar.add_task("", total=frames, seen="")
-        nodes = loops = 0
-
-        def advance(update: Update, tally: Tally) -> None:
-            nonlocal nodes, loops
-            nodes += update.node is not None
-            loops += sum(candidate.refusal is None for candidate in update.candidates)
-            bar.update(task, advance=1, seen=f"{nodes} nodes, {loops} loops, {tally.lost_frames} lost")
-
-        yield advance

@@ -9,11 +9,11 @@ from server.engine.channel import Channel
 from server.engine.commands import Decide, EditJob, Request, Stop
 from server.engine.decision import carry_out
 from server.engine.events import Ended, GraphChanged, Started
-from server.engine.grid_rebuild import GridRebuild
 from server.errors import EngineError
 from slam.database import MapReader, MapWriter
 from slam.errors import SlamError
 from slam.graph.graph import PoseGraph
+from slam.maps.grid_rebuild import GridRebuild
 from slam.review import Review
 
 #: Without a decision for this long the map is closed, and free for other writers.

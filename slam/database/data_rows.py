@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,7 @@ from slam.types import LocalGrid, Scan
 
 _GRID = (data.c.ground_cells, data.c.obstacle_cells, data.c.empty_cells)
 _VIEW = (data.c.view_point_x, data.c.view_point_y, data.c.view_point_z)
+_EMPTY: Mapping[str, object] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,34 +34,43 @@ class EncodedData:
 
     image: bytes | None
     depth: bytes | None
-    calibration: bytes
+    calibration: bytes | None
     scan: bytes | None
     scan_info: bytes | None
 
     @classmethod
     def of(cls, record: NodeRecord, params: Params) -> EncodedData:
         """Encode images and calibration by ``Mem/ImageCompressionFormat`` and ``Mem/DepthCompressionFormat``."""
-        image, depth = record.image_bgr, record.depth_m
-        scan, info = (None, None) if record.node.scan is None else pack_scan(record.node.scan)
+        stored = {} if record.stored is None else record.stored.data
+        image = None if "image" in stored else record.image_bgr
+        depth = None if "depth" in stored else record.depth_m
+        scan = None if "scan" in stored else record.node.scan
+        cloud, info = (None, None) if scan is None else pack_scan(scan)
         return cls(
             image=None if image is None else encode_color(image, params.Mem.ImageCompressionFormat),
             depth=None if depth is None else encode_depth(depth, params.Mem.DepthCompressionFormat),
-            calibration=pack_camera(record.node.camera),
-            scan=scan,
+            calibration=None if "calibration" in stored else pack_camera(record.node.camera),
+            scan=cloud,
             scan_info=info,
         )
 
 
-def insert_data(connection: Connection, node_id: int, encoded: EncodedData, grid: LocalGrid | None) -> None:
-    """Add the data of a node; the node must be there already."""
-    values: dict[str, Any] = {
-        "id": node_id,
+def insert_data(
+    connection: Connection,
+    node_id: int,
+    encoded: EncodedData,
+    grid: LocalGrid | None,
+    stored: Mapping[str, object] = _EMPTY,
+) -> None:
+    """Add the data of a node, with the columns that it takes over; the node must be there already."""
+    made = {
         "image": encoded.image,
         "depth": encoded.depth,
         "calibration": encoded.calibration,
         "scan": encoded.scan,
         "scan_info": encoded.scan_info,
     }
+    values: dict[str, Any] = {"id": node_id, **stored, **{name: v for name, v in made.items() if v is not None}}
     if grid is not None:
         values |= {
             "ground_cells": pack_row(grid.ground.astype(np.float32)),

@@ -88,8 +88,9 @@ def insert_record(connection: Connection, record: NodeRecord, encoded: EncodedDa
     """Write a node and its update; ``memory_stamp`` is the newest Info row's, which the node must not be older than."""
     node, node_id = record.node, record.node.id
     early = now_text() < memory_stamp
-    insert_node(connection, node, first_label(connection, node.map_id))
-    insert_data(connection, node_id, encoded, record.grid)
+    of_node, of_data = ({}, {}) if record.stored is None else (record.stored.node, record.stored.data)
+    insert_node(connection, node, first_label(connection, node.map_id), of_node)
+    insert_data(connection, node_id, encoded, record.grid, of_data)
     insert_words(connection, record.words)
     insert_features(connection, node)
     rename_words(connection, record.renamed_words)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 from sqlalchemy import Connection, case, func, insert, select, update
@@ -14,8 +15,10 @@ from slam.errors import DatabaseError
 from slam.types import Node
 
 
-def insert_node(connection: Connection, item: Node, label: str | None) -> None:
-    """Add a node."""
+def insert_node(
+    connection: Connection, item: Node, label: str | None, stored: Mapping[str, object] = MappingProxyType({})
+) -> None:
+    """Add a node, with the columns that it takes over."""
     connection.execute(
         insert(node).values(
             id=item.id,
@@ -25,6 +28,7 @@ def insert_node(connection: Connection, item: Node, label: str | None) -> None:
             pose=pack_transform(item.T_odom_base),
             ground_truth_pose=pack_transform(item.T_world_base),
             label=label,
+            **stored,
         )
     )
 
@@ -48,6 +52,20 @@ def update_weights(connection: Connection, weights: Mapping[int, int]) -> None:
         done = connection.execute(update(node).where(node.c.id == node_id).values(weight=weight))
         if done.rowcount != 1:
             raise DatabaseError(f"weight {weight} of node {node_id} can't be stored: there is no such node")
+
+
+def update_labels(connection: Connection, labels: Mapping[int, str]) -> None:
+    """Give nodes labels.
+
+    Raises:
+        DatabaseError: a node does not exist, or another one has the label.
+    """
+    for node_id, label in labels.items():
+        other = connection.scalar(select(node.c.id).where((node.c.label == label) & (node.c.id != node_id)))
+        if other is not None:
+            raise DatabaseError(f"label {label!r} can't be given to node {node_id}: node {other} has it")
+        if connection.execute(update(node).where(node.c.id == node_id).values(label=label)).rowcount != 1:
+            raise DatabaseError(f"label {label!r} can't be given to node {node_id}: there is no such node")
 
 
 def read_node_ids(connection: Connection) -> set[int]:

@@ -14,6 +14,7 @@ from slam.camera import Camera
 from slam.database import admin_rows, data_rows, mesh_rows, node_rows, pose_rows, sensor_rows, statistics_rows
 from slam.database.deck_reader import DeckReader
 from slam.database.feature_rows import read_features
+from slam.database.flaws import Flaws, read_flaws
 from slam.database.images import decode_color, decode_depth
 from slam.database.info import read_info
 from slam.database.link_rows import count_one_way, read_links
@@ -24,6 +25,7 @@ from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, Statisti
 from slam.database.schema import has_deck_tables
 from slam.database.sensor_values import Gps, NodeSensors
 from slam.database.session_rows import read_sessions
+from slam.database.stored_rows import read_stored_columns
 from slam.database.tables import data
 from slam.database.time_enter import read_memory_ids
 from slam.database.word_rows import read_last_word_id, read_words
@@ -188,6 +190,11 @@ class MapReader(DeckReader):
         with self._reading(f"reading the cloud of node {node_id}") as connection, _about(self.path, node_id):
             return data_rows.read_scan(connection, node_id)
 
+    def stored_columns(self, node_id: int) -> tuple[dict[str, object], dict[str, object]]:
+        """What a replay hands on of a node, as it is: columns of the tables Node and Data by name."""
+        with self._reading(f"reading node {node_id}") as connection:
+            return read_stored_columns(connection, node_id)
+
     def last_word_id(self) -> int:
         """The largest id of a word, 0 when there is none."""
         with self._reading("reading the dictionary") as connection:
@@ -218,6 +225,11 @@ class MapReader(DeckReader):
         """Ascending ids of the nodes and of the words that RTAB-Map would load into working memory."""
         with self._reading("reading the working memory") as connection:
             return read_memory_ids(connection)
+
+    def flaws(self) -> Flaws:
+        """What is missing or too much in the file."""
+        with self._reading("looking for flaws") as connection:
+            return read_flaws(connection)
 
     def parameters(self) -> dict[str, str]:
         """Parameters of the newest session, as text by name."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.geometry import Pose
-from slam.types import Descriptors, Link, LocalGrid, Node, OccupancyGrid, TrackedFrame, Update
+from slam.types import Descriptors, Link, LocalGrid, Node, OccupancyGrid, Stored, TrackedFrame, Update
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,6 +67,7 @@ class NodeRecord:
         reductions: older nodes that became part of others, in this order.
         merged_into: the node that this one was merged into by rehearsal.
         grid_map: the global grid, where it was made anew; None leaves the stored one.
+        stored: what the node takes over from the file that is replayed.
     """
 
     node: Node
@@ -86,6 +87,7 @@ class NodeRecord:
     reductions: tuple[Reduction, ...] = ()
     merged_into: int | None = None
     grid_map: OccupancyGrid | None = None
+    stored: Stored | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -19,7 +19,7 @@ from slam.database.frame_rows import insert_frames
 from slam.database.lock import MapLock, locked
 from slam.database.new_file import create_file
 from slam.database.node_record import KnownIds
-from slam.database.node_rows import update_weights
+from slam.database.node_rows import update_labels, update_weights
 from slam.database.parameter_rows import insert_parameter_change
 from slam.database.parameter_text import params_text
 from slam.database.records import JournalEntry, NodeRecord
@@ -123,6 +123,11 @@ class MapWriter:
         """Change weights of nodes."""
         with self._transaction("changing weights") as connection:
             update_weights(connection, weights)
+
+    def label_nodes(self, labels: Mapping[int, str]) -> None:
+        """Give nodes labels; DatabaseError where a node does not exist or another one has the label."""
+        with self._transaction("labelling nodes") as connection:
+            update_labels(connection, labels)
 
     def save_poses(self, poses_map_base: Mapping[int, Pose], last: Pose | None) -> None:
         """Replace the optimised poses T_map_base; ``last`` is the robot's own, None leaves the one that is stored."""

@@ -83,6 +83,16 @@ class Dictionary:
         self._next_id = max(self._next_id, int(ids.max()) + 1)
         return renamed
 
+    def adopt(self, ids: NDArray[np.int32], descriptors: Descriptors) -> None:
+        """Takes in words (N,), (N, B) under their own ids, those that are not in RAM already."""
+        missing = np.array([i for i, word in enumerate(ids.tolist()) if word not in self._rows], np.int64)
+        if len(missing):
+            index = self._index_of(descriptors)
+            before = index.count
+            index.append(index.packed(descriptors[missing]))
+            self._register(ids[missing], before)
+            self._next_id = max(self._next_id, int(ids.max()) + 1)
+
     def load(self, ids: NDArray[np.int32], descriptors: Descriptors, next_id: int) -> None:
         """Takes in the words of a map file (N,), (N, B) under their own ids, into an empty dictionary.
 

@@ -23,8 +23,12 @@ class NodeFeatures:
         """Features of a frame that becomes a node, and how many of them, from the first, become words.
 
         Odometry's are taken when ``Mem/UseOdomFeatures`` is on and ``Kp/DetectorStrategy`` is ``Vis/FeatureType``;
-        words of another type are extracted for themselves, and nodes are then registered by those.
+        words of another type are extracted for themselves, and nodes are then registered by those. A replayed frame may
+        bring those that it had.
         """
+        stored = frame.stored
+        if stored is not None and stored.features is not None:
+            return stored.features, stored.words
         shared = params.Mem.UseOdomFeatures and params.Kp.DetectorStrategy == params.Vis.FeatureType
         features = odometry if shared else self._extractor.extract(frame, params)
         chosen = _chosen(features, frame.camera, params)
@@ -42,3 +46,16 @@ def _chosen(features: Features, camera: Camera, params: Params) -> NDArray[np.in
         depths = transform(inverse(camera.T_base_cam), features.points_base)[:, 2]
         good &= (depths > params.Kp.MinDepth) & (depths <= (params.Kp.MaxDepth or np.inf))
     return region.share(np.flatnonzero(good), features.pixels, params.Kp.MaxFeatures)
+
+
+def nothing_seen() -> Features:
+    """No key points."""
+    return Features(
+        pixels=np.zeros((0, 2), np.float32),
+        sizes=np.zeros(0, np.float32),
+        angles=np.zeros(0, np.float32),
+        responses=np.zeros(0, np.float32),
+        octaves=np.zeros(0, np.int32),
+        descriptors=np.zeros((0, 32), np.uint8),
+        points_base=np.zeros((0, 3), np.float32),
+    )

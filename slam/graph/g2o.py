@@ -68,7 +68,7 @@ def read_edges(path: Path) -> list[Link]:
 
 
 def write_g2o(path: Path, graph: PoseGraph) -> None:
-    """Write optimised poses and links (from the smaller id) as SE3:QUAT, with all digits.
+    """Write poses and the links between them (from the smaller id) as SE3:QUAT, with all digits.
 
     Raises:
         DatabaseError: the file can't be written.
@@ -76,6 +76,8 @@ def write_g2o(path: Path, graph: PoseGraph) -> None:
     lines = [f"VERTEX_SE3:QUAT {i} {_pose_text(graph.poses[i])}" for i in sorted(graph.poses)]
     for pair in sorted(graph.links):
         link = ascending(graph.links[pair])
+        if not graph.poses.keys() >= set(pair):
+            continue
         assert link.T_from_to is not None
         information = " ".join(repr(float(v)) for v in link.information[_UPPER_SE3])
         lines.append(f"EDGE_SE3:QUAT {link.from_id} {link.to_id} {_pose_text(link.T_from_to)} {information}")

@@ -14,6 +14,8 @@ from slam.types import Node
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 _TABLE = 1 << 16
+#: Scores that differ by less are as good as equal: their deviation says nothing about a new place.
+_ALIKE = 1e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,10 +81,10 @@ def adjust(scores: Array, params: Params) -> tuple[Array, float]:
     if len(positive) < 2:
         return np.ones(len(scores)), 2.0
     mean, deviation = float(positive.mean()), float(positive.std(ddof=1))
-    likelihood = np.where(scores > mean + deviation, (scores - deviation + 1e-4) / mean, 1.0)
+    likelihood = np.where(scores > mean + deviation, (scores - deviation + _ALIKE) / mean, 1.0)
     largest = float(scores.max())
     if params.Rtabmap.VirtualPlaceLikelihoodRatio == 0:
-        virtual = mean / deviation + 1.0 if deviation > 0 else 2.0
+        virtual = mean / deviation + 1.0 if deviation > _ALIKE else 2.0
     else:
         virtual = deviation / (largest - mean) + 1.0 if largest > mean else 2.0
     return likelihood, virtual

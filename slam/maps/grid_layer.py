@@ -30,11 +30,18 @@ class GridLayer:
         self._touches = self._cells = 0
 
     def add(self, node_id: int, frame: Frame, poses: Mapping[int, Pose], params: Params) -> LocalGrid | None:
-        """The local grid of a node, taken into the global one; None when grids are switched off."""
+        """The local grid of a node, taken into the global one; None when grids are switched off, or nothing is known.
+
+        A replayed frame whose depth image is not there any more has the grid that was stored.
+        """
         if not params.RGBD.CreateOccupancyGrid:
             return None
         self._global.params = params
-        local = make_local_grid(frame.depth_m, frame.camera, level(poses[node_id]), params)
+        local = None if frame.stored is None else frame.stored.grid
+        if local is None and not frame.depth_m.size:
+            return None
+        if local is None or frame.depth_m.any():
+            local = make_local_grid(frame.depth_m, frame.camera, level(poses[node_id]), params)
         self._known.add(node_id)
         self._touches, self._cells = self._touches + _TOUCHES, self._cells + _CELLS
         self._global.add(node_id, local, poses[node_id])

@@ -15,7 +15,7 @@ from slam.features.fixed_dictionary import FixedDictionary
 from slam.loop.likelihood import WordBag
 from slam.memory.long_term import LongTermMemory
 from slam.params import Params
-from slam.types import Features, Node, Tier
+from slam.types import Features, Node, Stored, Tier
 
 
 class Memory:
@@ -46,6 +46,7 @@ class Memory:
         self._moved: dict[int, Tier] = {}
         self._renamed: dict[int, dict[int, int]] = {}
         self._reweighed: dict[int, int] = {}
+        self._adopted: set[int] = set()
         self._entries = 0
 
     def quantize(
@@ -56,6 +57,22 @@ class Memory:
         words, new_ids, new_descriptors = self.dictionary.quantize(features.descriptors[:best], params)
         rest = -np.arange(1, len(features) - best + 1, dtype=np.int32)
         return np.concatenate([words, rest]).astype(np.int32), WordRows(new_ids, new_descriptors)
+
+    def adopt(self, stored: Stored) -> tuple[NDArray[np.int32], WordRows] | None:
+        """Word ids of a replayed frame's features as they were, and those words that no node had before.
+
+        None where they are to be looked for: the frame has none, or the dictionary is a fixed one.
+        """
+        if stored.features is None or stored.word_ids is None or stored.word_descriptors is None:
+            return None
+        if not isinstance(self.dictionary, Dictionary):
+            return None
+        ids = np.unique(stored.word_ids)
+        self.dictionary.adopt(ids, stored.word_descriptors)
+        new = ~np.isin(ids, list(self._adopted))
+        self._adopted.update(ids.tolist())
+        rest = -np.arange(1, len(stored.features) - len(stored.word_ids) + 1, dtype=np.int32)
+        return np.concatenate([stored.word_ids, rest]), WordRows(ids[new], stored.word_descriptors[new])
 
     def forget_words(self, node: Node) -> None:
         """The words made for a node that is not kept go again."""

@@ -11,12 +11,13 @@ from slam.database import MapReader
 from slam.features.dictionary_file import open_dictionary
 from slam.features.extract import kind_of_words
 from slam.features.kind import check_kind
+from slam.features.words import nothing_seen
 from slam.geometry import Pose
 from slam.graph.graph import PoseGraph
 from slam.memory.long_term import DatabaseMemory
 from slam.memory.memory import Memory
 from slam.params import Params
-from slam.types import Features, Node, TrackedFrame
+from slam.types import Node, TrackedFrame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,15 +76,4 @@ def _outlines(reader: MapReader, graph: PoseGraph) -> list[Node]:
 
 
 def _outline(node_id: int, map_id: int, weight: int, stamp: float, graph: PoseGraph, camera: Camera) -> Node:
-    return Node(node_id, map_id, weight, stamp, graph.T_odom[node_id], _NOTHING_SEEN, np.zeros(0, np.int32), camera)
-
-
-_NOTHING_SEEN = Features(
-    pixels=np.zeros((0, 2), np.float32),
-    sizes=np.zeros(0, np.float32),
-    angles=np.zeros(0, np.float32),
-    responses=np.zeros(0, np.float32),
-    octaves=np.zeros(0, np.int32),
-    descriptors=np.zeros((0, 32), np.uint8),
-    points_base=np.zeros((0, 3), np.float32),
-)
+    return Node(node_id, map_id, weight, stamp, graph.T_odom[node_id], nothing_seen(), np.zeros(0, np.int32), camera)

@@ -54,10 +54,13 @@ def equipped(node: Node, frame: Frame, params: Params, clock: StageClock) -> Nod
 
     That is its cloud where ``Reg/Strategy`` asks for ICP, and its images where ``Vis/CorType`` asks for optical flow.
     """
-    if params.Reg.Strategy > 0:
+    stored = None if frame.stored is None else frame.stored.scan
+    if params.Reg.Strategy > 0 and stored is not None:
+        node = replace(node, scan=stored)
+    elif params.Reg.Strategy > 0 and frame.depth_m.size:
         with clock.stage("TimingMem/Scan_filtering/ms"):
             node = replace(node, scan=depth_scan(frame.depth_m, frame.camera, params))
-    if params.Vis.CorType == 0:
+    if params.Vis.CorType == 0 or not frame.image_bgr.size:
         return node
     gray = np.asarray(cv2.cvtColor(frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
     return replace(node, images=Images(gray, frame.depth_m))

@@ -11,6 +11,7 @@ from slam.types.node import WEIGHT_INTERMEDIATE, WEIGHT_INVALID, Node, Tier
 from slam.types.odometry import Odometry, TrackedFrame
 from slam.types.refusal import Refusal
 from slam.types.registration import IcpEvidence, Registration
+from slam.types.stored import Stored
 from slam.types.update import Update
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "Refusal",
     "Registration",
     "Scan",
+    "Stored",
     "Tier",
     "TrackedFrame",
     "Update",

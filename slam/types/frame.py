@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
 from slam.geometry import Pose
+
+if TYPE_CHECKING:
+    from slam.types.stored import Stored
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,13 +35,14 @@ class Frame:
     Attributes:
         index: running number in its source, from 0.
         stamp: acquisition time of the colour image in seconds.
-        image_bgr: (H, W, 3) uint8.
-        depth_m: (H, W) float32 depth along the optical axis in metres, 0 where unknown.
+        image_bgr: (H, W, 3) uint8; of no pixels where a replayed node has no image any more.
+        depth_m: (H, W) float32 depth along the optical axis in metres, 0 where unknown; likewise.
         camera: the camera of both images.
         T_world_base: ground truth, where known.
         T_gravity_base: attitude of the base with respect to gravity (rotation only), where an accelerometer tells.
         depth_delay_s: acquisition time of the depth image minus ``stamp``.
         external: odometry from outside, where there is any.
+        stored: what a map file has of it, where one is replayed.
     """
 
     index: int
@@ -49,6 +54,7 @@ class Frame:
     T_gravity_base: Pose | None = None
     depth_delay_s: float = 0.0
     external: ExternalOdometry | None = None
+    stored: Stored | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -116,6 +116,7 @@ def test_the_other_virtual_place() -> None:
     assert virtual == pytest.approx(raw.std(ddof=1) / (5.0 - raw.mean()) + 1)
     assert adjust(np.ones(4), VIRTUAL_1)[1] == 2.0
     assert adjust(np.ones(4), PARAMS)[1] == 2.0
+    assert adjust(np.array([0.00361661, 0.00362887]), PARAMS)[1] == 2.0, "as good as equal, as in RTAB-Map"
 
 
 def test_a_bag_counts_words_and_all_key_points() -> None:

@@ -56,7 +56,7 @@ def test_the_server_starts_without_what_draws_and_meshes() -> None:
 
 def test_every_command_is_listed() -> None:
     text = slamdeck("--help").stdout
-    assert all(name in text for name in ("demo", "run", "serve", "info", "export", "params"))
+    assert all(name in text for name in ("demo", "run", "serve", "info", "reprocess", "export", "params"))
 
 
 def test_without_a_command_the_help_is_shown() -> None:
@@ -79,6 +79,9 @@ def test_info_of_a_map(a_map: Path) -> None:
     assert (found["version"], found["nodes"]) == ("0.20.0", NODES)
     assert found["links"] == {"Neighbor": NODES - 1, "GlobalClosure": 2}
     assert found["parameters"] == {"Rtabmap/LoopThr": "0.2"} and found["bytes_by_kind"]["image"] > 0
+    assert found["missing"] == [] and found["odometry_m"] > 0
+    differing = json.loads(slamdeck("info", "--diff", a_map, "--json").stdout)["differences"]
+    assert {one["name"] for one in differing} == set(found["parameters"])
     table = slamdeck("info", a_map).stdout
     assert "0.20.0" in table and "GlobalClosure" in table
 

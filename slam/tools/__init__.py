@@ -1,0 +1,1 @@
+"""What is done to whole map files: replay, repair, thin, compare."""

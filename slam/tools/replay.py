@@ -1,0 +1,161 @@
+"""The nodes of map files as frames, with the odometry and the key points that the files have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slam.camera import Camera
+from slam.database import MapReader
+from slam.errors import DatabaseError, SourceError
+from slam.features.words import nothing_seen
+from slam.geometry import Pose
+from slam.tools.gap import Gap
+from slam.types import WEIGHT_INTERMEDIATE, WEIGHT_INVALID, Features, Frame, Link, Stored
+
+
+class OldId(NamedTuple):
+    """A node of one of several files: number of the file, from 0, and its id there."""
+
+    file: int
+    node_id: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replay:
+    """The ordinary nodes of map files, file by file and in the order of their ids.
+
+    Intermediate nodes only lead from one ordinary node to the next; merged and dropped ones are left out.
+
+    Attributes:
+        readers: of the files.
+        with_features: whether frames bring the key points that were stored; else they are found anew.
+        with_words: whether those of the first file keep their words; words of several files would not be the same.
+        ids: which node of which file each frame is, by the frame's index; filled while the frames are read.
+        unreadable: images that could not be decoded, a text for each; likewise.
+    """
+
+    readers: Sequence[MapReader]
+    with_features: bool = True
+    with_words: bool = True
+    ids: list[OldId] = field(default_factory=list)
+    unreadable: list[str] = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """The files' names."""
+        return " ".join(reader.path.name for reader in self.readers)
+
+    @property
+    def camera(self) -> Camera:
+        """The first camera of the first file; SourceError where none has one."""
+        return _first_camera(self.readers[0])
+
+    @property
+    def live(self) -> bool:
+        """It can be repeated."""
+        return False
+
+    def __len__(self) -> int:
+        """Number of nodes that are replayed."""
+        return sum(int((reader.nodes().weights > WEIGHT_INTERMEDIATE).sum()) for reader in self.readers)
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Each node with all that its file has of it.
+
+        Raises:
+            SourceError: no node of a file has a camera.
+            DatabaseError: a file can't be read.
+        """
+        self.ids.clear()
+        self.unreadable.clear()
+        for file, reader in enumerate(self.readers):
+            yield from self._frames(file, reader)
+
+    def _frames(self, file: int, reader: MapReader) -> Iterator[Frame]:
+        table, links, cameras = reader.nodes(), reader.links(), reader.first_cameras()
+        camera, gap, alone = _first_camera(reader), Gap(links), _constraints(links)
+        for row, node_id in enumerate(table.ids.tolist()):
+            weight = int(table.weights[row])
+            if weight <= WEIGHT_INVALID:
+                continue
+            covariance = gap.to(node_id, ordinary=weight > WEIGHT_INTERMEDIATE)
+            if weight <= WEIGHT_INTERMEDIATE:
+                continue
+            camera = cameras.get(node_id, camera)
+            image, depth = self._images(reader, node_id)
+            of_node, of_data = reader.stored_columns(node_id)
+            features, word_ids = self._features(reader, node_id, camera, bool(image.size))
+            known = reader.words(np.unique(word_ids).tolist()) if self.with_words and file == 0 else None
+            # Words of dropped nodes may be gone from the dictionary.
+            whole = known is not None and len(known) == len(np.unique(word_ids))
+            stored = Stored(
+                T_odom_base=_known(table.T_odom[row]),
+                covariance=covariance,
+                features=features,
+                words=len(word_ids),
+                word_ids=word_ids if whole else None,
+                word_descriptors=known.descriptors if whole and known is not None else None,
+                constraints=tuple(alone.get(node_id, ())),
+                scan=reader.scan(node_id) if "scan" in of_data else None,
+                grid=reader.local_grid(node_id) if "cell_size" in of_data else None,
+                node=of_node,
+                # What has no depth image gets none, whatever the engine had in its place.
+                data={"depth": None, **of_data},
+            )
+            T_world_base = _known(table.T_world[row])
+            self.ids.append(OldId(file, node_id))
+            index, stamp = len(self.ids) - 1, float(table.stamps[row])
+            yield Frame(index, stamp, image, depth, camera, T_world_base, stored=stored)
+
+    def _images(self, reader: MapReader, node_id: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """Colour and depth: of no pixels without an image, zeros where only the depth is missing."""
+        node = reader.node(node_id)
+        image, depth = np.zeros((0, 0, 3), np.uint8), np.zeros((0, 0), np.float32)
+        try:
+            image = reader.image_bgr(node_id) if node.image_bytes else image
+            depth = np.zeros(image.shape[:2], np.float32)
+            depth = reader.depth_m(node_id) if node.depth_bytes and image.size else depth
+        except DatabaseError as error:
+            self.unreadable.append(str(error))
+        return image, depth
+
+    def _features(
+        self, reader: MapReader, node_id: int, camera: Camera, has_image: bool
+    ) -> tuple[Features | None, NDArray[np.int32]]:
+        """Key points of the first camera, words first and the strongest first, and the ids of the words.
+
+        None where they are to be found in the image.
+        """
+        none = np.zeros(0, np.int32)
+        features, word_ids = reader.features(node_id) if self.with_features else (nothing_seen(), none)
+        if not len(features) or not features.descriptors.shape[1]:
+            return (None if has_image else nothing_seen()), none
+        mine = np.flatnonzero(features.pixels[:, 0] < camera.width) if camera.width else np.arange(len(features))
+        is_word = word_ids[mine] > 0
+        order = mine[np.lexsort((-features.responses[mine], ~is_word))]
+        return features.take(order), word_ids[order[: int(is_word.sum())]]
+
+
+def _first_camera(reader: MapReader) -> Camera:
+    cameras = reader.first_cameras()
+    if not cameras:
+        raise SourceError(f"{reader.path}: no node has a camera, there is nothing that could be mapped again")
+    return cameras[min(cameras)]
+
+
+def _constraints(links: Sequence[Link]) -> dict[int, list[Link]]:
+    """Priors, gravity and sightings of landmarks, by node."""
+    found: dict[int, list[Link]] = {}
+    for link in links:
+        if (link.from_id == link.to_id or link.to_id < 0) and link.T_from_to is not None:
+            found.setdefault(link.from_id, []).append(link)
+    return found
+
+
+def _known(T: Pose) -> Pose | None:
+    return T if np.isfinite(T).all() else None
