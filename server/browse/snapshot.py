@@ -85,6 +85,10 @@ class Snapshot:
         for node_id, T_odom_base in zip(table.ids.tolist(), table.T_odom, strict=True):
             if node_id not in stored and np.isfinite(T_odom_base).all():
                 stored[node_id] = T_odom_base
+        for link in self.constraints:
+            # A landmark without a pose of its own is where the first node that saw it has it.
+            if link.to_id < 0 and link.to_id not in stored and link.from_id in stored and link.T_from_to is not None:
+                stored[link.to_id] = stored[link.from_id] @ link.T_from_to
         return stored
 
     @cached_property

@@ -51,6 +51,7 @@ def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
         has_truth=snapshot.has_truth,
         ate_m=snapshot.ate_m,
         notes=notes(snapshot, clean=info.clean, live=live),
+        has_model=view.reader.has_cloud(),
         session_list=session_list(view.reader, snapshot.all_nodes, snapshot.all_links),
     )
 

@@ -17,6 +17,7 @@ from server.scene.highlight import Highlight
 from server.scene.landmarks import LandmarkLayer
 from server.scene.links import LinkLayer
 from server.scene.measure import Measure
+from server.scene.model import ModelLayer
 from server.scene.newest import NewestLayer
 from server.scene.nodes import NodeLayer
 from server.scene.paths import PathLayer
@@ -68,6 +69,7 @@ class Painter:
         self._frusta = FrustumLayer(scene)
         self._newest = NewestLayer(scene)
         self._landmarks = LandmarkLayer(scene)
+        self._model = ModelLayer(scene)
         self._highlight = Highlight(scene)
         self._framing: Framing | None = None
         self._shown: Picture | None = None
@@ -95,6 +97,7 @@ class Painter:
             self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud)
             self._draw_graph(picture)
             self._highlight.draw(snapshot, graph, *_selection(state), picture.measure, picture.look)
+            self._model.draw(snapshot.reader, snapshot.revision, visible=state.layers.model)
             self._floor.draw_grid(grid, picture.look, visible=state.layers.grid)
             self._draw_ground(picture)
         self._shown = picture

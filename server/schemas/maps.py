@@ -58,6 +58,8 @@ class MapInfo(MapFacts):
     notes: list[str]
     """What is missing in the file and what was made up for, in sentences."""
     session_list: list[SessionFacts]
+    has_model: bool
+    """Whether a mesh or cloud of the whole map is stored."""
 
 
 class Landmark(Schema):

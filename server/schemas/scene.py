@@ -21,6 +21,8 @@ class SceneLayers(Schema):
     odometry: bool = True
     truth: bool = False
     frusta: bool = False
+    model: bool = False
+    """The mesh or cloud that is stored with the map."""
 
 
 class Scene(Schema):
@@ -42,6 +44,7 @@ class LayerChange(Schema):
     odometry: bool | None = None
     truth: bool | None = None
     frusta: bool | None = None
+    model: bool | None = None
 
 
 class SceneChange(Schema):

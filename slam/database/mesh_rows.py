@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, select
+from sqlalchemy import Column, Connection, func, select
 
-from slam.database.blobs import unpack_matrix
+from slam.database.blobs import NOTHING, unpack_matrix
 from slam.database.tables import admin
 from slam.errors import DatabaseError
 
@@ -50,6 +50,11 @@ class Mesh:
 def read_preview(connection: Connection) -> bytes | None:
     """The stored picture of the map as it is (JPEG or PNG); None where there is none."""
     return _blob(connection, admin.c.preview_image)
+
+
+def has_cloud(connection: Connection) -> bool:
+    """Whether an assembled cloud is stored."""
+    return bool(connection.scalar(select(func.length(admin.c.opt_cloud) > NOTHING)))
 
 
 def read_cloud(connection: Connection) -> Cloud | None:

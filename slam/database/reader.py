@@ -160,6 +160,11 @@ class MapReader(DeckReader):
         with self._reading("reading the cloud of the map") as connection:
             return mesh_rows.read_cloud(connection)
 
+    def has_cloud(self) -> bool:
+        """Whether a cloud of the whole map is stored, which a mesh has too."""
+        with self._reading("looking for the cloud of the map") as connection:
+            return mesh_rows.has_cloud(connection)
+
     def mesh(self) -> Mesh | None:
         """The mesh of the whole map; None when none is stored."""
         with self._reading("reading the mesh") as connection:

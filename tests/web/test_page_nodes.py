@@ -81,3 +81,9 @@ def test_the_table_sorts_searches_and_follows_the_keys(library: Served, open_pag
 def test_a_node_that_is_not_there_says_which_are(library: Served, open_page: OpenPage) -> None:
     page = open_page(library, f"{NODES}/99999")
     expect(page.get_by_role("alert")).to_contain_text("99999")
+
+
+def test_a_map_that_is_whole_has_no_banner(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, NODES)
+    expect(page.get_by_role("row").filter(has_text=re.compile(r"^7"))).to_be_visible()
+    expect(page.locator(".banners")).to_be_empty()

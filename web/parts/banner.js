@@ -21,7 +21,7 @@ export function Banners() {
   return html`<div class="banners" aria-live="assertive">
     ${lost && (refused.value ? h(Expired, {}) : h(ServerGone, {}))}
     ${!lost && failure !== null && failure !== readFailure.value && h(EngineDead, { reason: failure })}
-    ${!lost && info.value?.notes.length && readNotes.value !== info.value.id && h(MapNotes, { info: info.value })}
+    ${!lost && info.value && info.value.notes.length > 0 && readNotes.value !== info.value.id && h(MapNotes, { info: info.value })}
     ${!lost && infoError.value && h(MapFailed, { error: infoError.value })}
   </div>`;
 }

@@ -16,6 +16,7 @@ const LAYERS = [
   { layer: "graph", label: "Graph", hint: "Nodes and links" },
   { layer: "cloud", label: "Cloud", hint: "Coloured points of the nodes" },
   { layer: "grid", label: "Grid", hint: "Occupied and free floor" },
+  { layer: "model", label: "Model", hint: "The mesh or cloud that is stored with the map" },
   { layer: "odometry", label: "Odometry", hint: "The path before optimisation" },
   { layer: "truth", label: "Truth", hint: "The true path, where the source knows it" },
 ];
@@ -36,7 +37,7 @@ export function SceneView() {
 function LayerChips() {
   const now = scene.value;
   const noTruth = info.value !== null && !info.value.has_truth;
-  return html`${LAYERS.map(({ layer, label, hint }) =>
+  return html`${LAYERS.filter(({ layer }) => layer !== "model" || info.value?.has_model).map(({ layer, label, hint }) =>
       h(Chip, {
         key: layer,
         label,

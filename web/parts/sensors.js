@@ -36,7 +36,8 @@ function placeFacts({ sensors: { scan, grid, gps } }) {
   }
   if (gps) {
     const where = `${text.fixed(gps.latitude, 6)}°, ${text.fixed(gps.longitude, 6)}°, ${text.fixed(gps.altitude, 1)} m`;
-    facts.push(["GPS", `${where}, ± ${text.length(gps.error)}, bearing ${text.fixed(gps.bearing, 0)}°`, "Latitude, longitude, altitude"]);
+    const hint = `Latitude, longitude, altitude; within ${text.length(gps.error)}, bearing ${text.fixed(gps.bearing, 0)}° from north`;
+    facts.push(["GPS", where, hint]);
   }
   return facts;
 }

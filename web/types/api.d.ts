@@ -770,6 +770,8 @@ export interface components {
             graph?: boolean | null;
             /** Grid */
             grid?: boolean | null;
+            /** Model */
+            model?: boolean | null;
             /** Odometry */
             odometry?: boolean | null;
             /** Truth */
@@ -1032,6 +1034,11 @@ export interface components {
             features: number;
             /** First Stamp */
             first_stamp: number | null;
+            /**
+             * Has Model
+             * @description Whether a mesh or cloud of the whole map is stored.
+             */
+            has_model: boolean;
             /** Has Poses */
             has_poses: boolean;
             /** Has Truth */
@@ -1459,6 +1466,12 @@ export interface components {
              * @default false
              */
             grid: boolean;
+            /**
+             * Model
+             * @description The mesh or cloud that is stored with the map.
+             * @default false
+             */
+            model: boolean;
             /**
              * Odometry
              * @default true

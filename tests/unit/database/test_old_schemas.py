@@ -250,3 +250,17 @@ def test_stereo_stays_stereo(tmp_path: Path) -> None:
         blob = connection.exec_driver_sql("SELECT calibration FROM Data").scalars().first()
     assert isinstance(blob, bytes)
     assert is_stereo(blob)
+
+
+@pytest.mark.parametrize(("floats", "heights"), [(15, [0.125, 0.125]), (14, [1.125, 2.125])])
+def test_a_scan_s_format_counts_where_it_is_stored(tmp_path: Path, floats: int, heights: list[float]) -> None:
+    """Three channels are x y intensity where the format says so, and else taken for x y z."""
+    path = old.write_old(tmp_path / "old.db", (0, 16, 1))
+    points = np.array([[[5, 6, 1], [7, 8, 2]]], np.float32)
+    about = np.array([[2, 8, 2][: floats - 12] + old.T_BASE_SCAN.ravel().tolist()], "<f4").tobytes()
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("UPDATE Data SET scan = ?, scan_info = ?", (old.z(points, 21), about))
+        connection.commit()
+    scan = MapReader(path).scan(1)
+    assert scan is not None
+    assert scan.points_base[:, 2].tolist() == heights
