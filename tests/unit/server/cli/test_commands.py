@@ -109,8 +109,6 @@ def test_tools_make_maps_and_replace_none_unasked(a_map: Path, tmp_path: Path) -
     assert "--force" in refusal("recover", a_map, "--db", out)
     saved = json.loads(slamdeck("recover", a_map, "--db", out, "--force", "--json").stdout)
     assert saved["is_whole"] and saved["rows"]["Node"] == NODES
-    assert slamdeck("export", a_map, "--copy", tmp_path / "thin.db", "--rate", "1").returncode == 0
-    assert "nothing to export is named" in refusal("export", a_map)
     assert "two or more" in refusal("merge", a_map, "--db", tmp_path / "all.db")
 
 
