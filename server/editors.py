@@ -32,6 +32,13 @@ class Editors:
             # It had just closed the map because nobody had asked for long.
             return await (await self._client(file)).request(command)
 
+    async def release(self, file: MapFile) -> None:
+        """Let go of a map that somebody else is about to write."""
+        async with self._starting:
+            client = self._clients.pop(file.id, None)
+        if client is not None:
+            await client.stop()
+
     async def close(self) -> None:
         """End all of them: they close their maps."""
         await asyncio.gather(*(client.stop() for client in self._clients.values()))

@@ -8,7 +8,7 @@ from collections import OrderedDict
 
 from server.browse.journal import journal_entry
 from server.browse.map_view import MapView
-from server.catalog import Catalog, MapFile
+from server.catalog import Catalog
 from server.editors import Editors
 from server.engine.commands import Decide, RunJob
 from server.engine.events import Event, GraphChanged, Moved, NodeAdded
@@ -20,6 +20,7 @@ from server.schemas import Decision, DecisionEffect, DecisionResult, Session, St
 from server.session import RunSession
 from server.settings import Settings
 from server.updates import update_message
+from slam.database.file_check import is_writable
 
 _OPEN_MAPS = 8
 
@@ -51,15 +52,23 @@ class Services:
                 self._views.popitem(last=False)
             return view
 
-    def is_writable(self, file: MapFile) -> bool:
+    def is_writable(self, view: MapView) -> bool:
         """Whether people may decide about a map."""
-        return os.access(file.path, os.W_OK) and os.access(file.path.parent, os.W_OK)
+        path = view.file.path
+        return is_writable(view.reader.version) and os.access(path, os.W_OK) and os.access(path.parent, os.W_OK)
 
     async def start_run(self, run: StartRun) -> Session:
-        """Start mapping into a new map under the first served folder."""
-        path = self.catalog.new_path(run.map)
-        source = checked_source(run.source, self.settings.sources)
-        return await self.session.start(run.map, RunJob(source, path, run.params, run.seed, run.speed))
+        """Start mapping into a new map under the first served folder, or into one that is there."""
+        source, params = checked_source(run.source, self.settings.sources), dict(run.params)
+        if run.mode == "new":
+            path = self.catalog.new_path(run.map)
+            return await self.session.start(run.map, RunJob(source, path, params, run.seed, run.speed))
+        file = self.catalog.find(run.map)
+        await self.editors.release(file)
+        if run.mode == "localize":
+            params["Mem/IncrementalMemory"] = False
+        job = RunJob(source, file.path, params, run.seed, run.speed, append=run.mode == "append")
+        return await self.session.start(file.id, job)
 
     async def decide(self, view: MapView, decision: Decision) -> DecisionResult:
         """Carry out a decision in the process that may write the map."""
@@ -67,8 +76,10 @@ class Services:
         if self.session.live_map == view.file.id:
             effect = await self.session.request(view.file.id, command)
         else:
-            if not self.is_writable(view.file):
-                raise EngineError(f"{view.file.name} can't be changed: the file and its folder must be writable")
+            if not self.is_writable(view):
+                raise EngineError(
+                    f"{view.file.name} can't be changed: the file and its folder must be writable, and of 0.18 or later"
+                )
             effect = await self.editors.request(view.file, command)
         shown = DecisionEffect(
             chi2_before=effect.chi2_before,

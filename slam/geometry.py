@@ -146,12 +146,18 @@ def translation_norm(T_a_b: Pose) -> float:
 
 
 def adjoint(T_a_b: Pose) -> Array:
-    """(6, 6) map of tangent vectors of frame b to frame a, translation first (Barfoot 2017, equation 7.43)."""
-    R, t = T_a_b[:3, :3], T_a_b[:3, 3]
-    Ad = np.zeros((6, 6))
-    Ad[:3, :3] = R
-    Ad[3:, 3:] = R
-    Ad[:3, 3:] = hat(t) @ R
+    """(6, 6) map of tangent vectors of frame b to frame a, translation first (Barfoot 2017, equation 7.43).
+
+    Also for stacks of shape (..., 4, 4).
+    """
+    R, t = T_a_b[..., :3, :3], T_a_b[..., :3, 3]
+    cross = np.zeros_like(R)
+    cross[..., 0, 1], cross[..., 0, 2], cross[..., 1, 2] = -t[..., 2], t[..., 1], -t[..., 0]
+    cross -= np.swapaxes(cross, -1, -2)
+    Ad = np.zeros((*R.shape[:-2], 6, 6))
+    Ad[..., :3, :3] = R
+    Ad[..., 3:, 3:] = R
+    Ad[..., :3, 3:] = cross @ R
     return Ad
 
 

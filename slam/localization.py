@@ -19,7 +19,7 @@ from slam.params import Params
 from slam.registration.refining import Neighbor
 from slam.slam import Slam
 from slam.statistics import Facts, describe
-from slam.types import WEIGHT_INVALID, Candidate, Frame, Link, LinkType, Node, Odometry, Update
+from slam.types import WEIGHT_INVALID, Candidate, Frame, Link, Node, Odometry, Update
 
 
 class Localization(Slam):
@@ -30,6 +30,7 @@ class Localization(Slam):
     ) -> None:
         """An engine on the map of earlier sessions; without a writer the file is only read."""
         super().__init__(params, writer, seed=seed, source=source, past=replace(past, frames=[]))
+        self._writer = writer
         self._past = past
         self._left = past.reader.memory_ids()
         self._localizer = _at_start(past, params)
@@ -43,7 +44,7 @@ class Localization(Slam):
         """Ends the session: the path of its frames and the robot's last pose are stored, the map is what it was."""
         if self._writer is None:
             return
-        self._writer.add_frames(self._unwritten)
+        self._writer.add_frames(self._tracked.take_unwritten())
         if self.localized and self._last is not None:
             self._writer.save_last_pose(self._localizer.T_map_odom @ self._last.T_odom_base)
         node_ids, word_ids = self._left
@@ -63,8 +64,7 @@ class Localization(Slam):
     def _update(self, frame: Frame, odometry: Odometry) -> Update:
         clock = StageClock()
         assert odometry.T_odom_base is not None
-        self._last_stamp = frame.stamp
-        began = self._last is None or self._restarted()
+        began = self._last is None or self._motion.restarted
         if began:
             self._localizer.begin(odometry.T_odom_base)
             # Where it was believed to be says nothing any more: it may have been carried away.
@@ -73,17 +73,26 @@ class Localization(Slam):
             node, _ = self._make_node(frame, odometry)
             if not began and self.localized and self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, None)
-            motion = None if began else self._motion(node)
+            motion = None if began or self._last is None else self._motion.link(self._last, node)
             self._active.add_node(node.id, node.map_id, node.T_odom_base, self._localizer.T_map_odom @ node.T_odom_base)
             self.memory.add(node, self.params)
         belief, retrieved, judged = self._look(node, motion, clock)
         with clock.stage("Timing/Forgetting/ms"):
-            transferred = self._transfer(belief, retrieved, clock.elapsed_ms)
-        self._last, self._covariance = node, np.zeros((6, 6))
+            transferred = self._tiers.transfer(belief.place, retrieved, clock.elapsed_ms, self.params)
+        self._last = node
+        self._motion.begin()
         self._newest_id, self._map_id = node.id, node.map_id
         self._hang(frame, odometry)
         facts = Facts(
-            node, belief, Closed(tuple(judged)), None, odometry, retrieved, transferred, self._travelled_m, Neighbor()
+            node,
+            belief,
+            Closed(tuple(judged)),
+            None,
+            odometry,
+            retrieved,
+            transferred,
+            self._motion.travelled_m,
+            Neighbor(),
         )
         update = Update(
             frame_index=frame.index,
@@ -107,7 +116,7 @@ class Localization(Slam):
         known = home if self.localized else 0
         belief = self._loops.recognize(node, self.memory, self._active.graph, self.params, clock, home=known)
         with clock.stage("Timing/Reactivation/ms"):
-            retrieved = self._retrieve(node, belief)
+            retrieved = self._tiers.retrieve(node.id, belief.place, self.params)
         tried = self._loops.candidates(node, belief, self.memory, self._active.graph, self.params, clock, home=home)
         with clock.stage("Timing/Map_optimization/ms"):
             judged = self._localizer.update(node, motion, tried, self.graph.poses, self.params)
@@ -120,13 +129,6 @@ class Localization(Slam):
         self._active.remove_node(node.id)
         self.memory.take_renamed()
 
-    def _motion(self, node: Node) -> Link:
-        assert self._last is not None
-        information = np.asarray(np.linalg.inv(self._covariance), np.float64)
-        T_node_last = between(node.T_odom_base, self._last.T_odom_base)
-        self._travelled_m += float(np.linalg.norm(T_node_last[:3, 3]))
-        return Link(node.id, self._last.id, LinkType.NEIGHBOR, T_node_last, information)
-
     def _keep(self, frame: Frame, node: Node, update: Update) -> None:
         """Stores what was seen as a node that is no part of the map (weight -9), with no loops to be decided about."""
         if self._writer is None:
@@ -138,10 +140,9 @@ class Localization(Slam):
             image_bgr=frame.image_bgr,
             depth_m=frame.depth_m,
             statistics=update.statistics,
-            frames=tuple(self._unwritten),
+            frames=self._tracked.take_unwritten(),
         )
         self._writer.add_node(record)
-        self._unwritten = []
 
     def _between_updates(self, frame: Frame, odometry: Odometry) -> Update:
         return replace(super()._between_updates(frame, odometry), covariance=self._uncertainty(odometry))
@@ -149,7 +150,7 @@ class Localization(Slam):
     def _uncertainty(self, odometry: Odometry) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None:
         if odometry.T_odom_base is None:
             return None
-        return self._localizer.covariance(odometry.T_odom_base, self._covariance)
+        return self._localizer.covariance(odometry.T_odom_base, self._motion.covariance)
 
     def _in_map(self, odometry: Odometry) -> Pose | None:
         if odometry.T_odom_base is None:
@@ -159,14 +160,13 @@ class Localization(Slam):
     def _hang(self, frame: Frame, odometry: Odometry) -> None:
         """Adds a frame to the path, relative to the place of the map that was recognised last."""
         T_map_base, place = self._in_map(odometry), self._localizer.reference
-        lost = "" if odometry.lost is None else odometry.lost.text
         known = self.localized and T_map_base is not None
-        self._track(
+        self._tracked.add(
             frame,
             odometry,
             node_id=place if known else 0,
             T_node_base=between(self.graph.poses[place], T_map_base) if known and T_map_base is not None else None,
-            lost=lost or ("" if known else "not localised in the map yet"),
+            lost="" if known else "not localised in the map yet",
             covariance=self._uncertainty(odometry),
         )
 

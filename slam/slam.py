@@ -3,46 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from slam.accuracy import frames_ate_m
 from slam.clock import StageClock
-from slam.database import MapReader, MapWriter, NodeRecord, WordRows
-from slam.errors import OptimizationError, ParameterError
+from slam.database import MapReader, MapWriter, Reduction, WordRows
+from slam.errors import ParameterError
 from slam.features.dictionary_file import open_dictionary
 from slam.features.words import NodeFeatures
-from slam.geometry import Pose, between, inverse
+from slam.geometry import Pose, inverse
 from slam.graph.graph import PoseGraph
-from slam.graph.optimizer import optimize
-from slam.loop.closing import Closed, close, limited
-from slam.loop.detector import Belief, LoopDetector
+from slam.loop.closing import LoopCloser, limited
+from slam.loop.detector import LoopDetector
 from slam.loop.likelihood import WordBag
 from slam.maps.grid_layer import GridLayer
-from slam.memory.active_graph import ActiveGraph
 from slam.memory.long_term import DatabaseMemory, RamMemory
 from slam.memory.memory import Memory
 from slam.memory.past import Past
-from slam.memory.places import Places
 from slam.memory.rehearsal import Rehearsal, moved, rehearse
-from slam.memory.retrieval import choose_retrieval
 from slam.memory.signature import too_few_words
-from slam.memory.speed import Speed
-from slam.memory.transfer import choose_transfer
+from slam.memory.tiers import Tiers
+from slam.motion import Motion
 from slam.odometry.strategy import Tracker, make_tracker
 from slam.params import Effect, Params, Value, spec
+from slam.recorder import Recorder
 from slam.registration.refining import Neighbor, refine
 from slam.registration.scan import equipped
 from slam.statistics import Facts, describe
-from slam.types import UNKNOWN_VARIANCE, Frame, Link, LinkType, LocalGrid, Node, Odometry, TrackedFrame, Update
-
-#: Stamps of a 30 Hz camera jitter by less than this share of the time between two updates.
-_JITTER = 0.05
-#: Nodes in long-term memory that may follow the others at each update, so that all have after so many of them.
-_OFTEN = 50
+from slam.tracked import TrackedFrames
+from slam.types import Frame, Link, LinkType, Node, Odometry, TrackedFrame, Update
 
 
 class Slam:
@@ -52,7 +43,6 @@ class Slam:
         params: in force now.
         graph: all nodes and links with their optimised poses.
         memory: the tiers.
-        frames: every frame so far; each hangs on a node.
     """
 
     def __init__(
@@ -80,30 +70,24 @@ class Slam:
         self.graph = PoseGraph() if past is None else past.graph
         dictionary = open_dictionary(params, seed=seed, map_path=None if writer is None else writer.path)
         self.memory = Memory(long_term, seed=seed, dictionary=dictionary) if past is None else past.memory
-        self.frames: list[TrackedFrame] = [] if past is None else past.frames
         self._newest_id = 0 if past is None else past.last_id
         self._map_id = 0 if writer is None else writer.map_id
-        self._writer = writer
-        self._seed, self._source = seed, source
         self._odometry = make_tracker(params) if tracker is None else tracker
+        self._motion = Motion()
+        self._tracked = TrackedFrames([] if past is None else past.frames)
         self._node_features = NodeFeatures()
+        self._tiers = Tiers(self.memory, self.graph)
+        self._active = self._tiers.active
         self._loops = LoopDetector()
-        self._active = ActiveGraph(self.graph)
-        self._active.restrict(self.memory.ltm)
-        self._places = Places()
-        self._places.put(self.graph.poses, sorted(self.memory.ltm))
-        self._moved: set[int] = set()
-        self._behind = 0
+        self._closer = LoopCloser()
         self._grid = GridLayer(params, None if past is None else past.reader.local_grid)
-        self._unwritten: list[TrackedFrame] = []
-        self._weights: dict[int, int] = {}
-        self._covariance = np.zeros((6, 6))
+        self._recorder = Recorder(writer, self._tiers, self._tracked, self._grid, seed=seed, source=source)
         self._last: Node | None = None
-        self._last_stamp = -np.inf
-        self._last_loop = 0
-        self._speed, self._too_fast = Speed(), False
-        self._surest = np.zeros(6)
-        self._travelled_m = 0.0
+
+    @property
+    def frames(self) -> list[TrackedFrame]:
+        """Every frame so far; each hangs on a node."""
+        return self._tracked.frames
 
     def prepare(self, frame: Frame) -> None:
         """May be called, from one other thread, with a frame that is processed soon: that is then done sooner."""
@@ -112,11 +96,11 @@ class Slam:
     def process(self, frame: Frame) -> Update:
         """Tracks a frame and, where it is due and somewhere new, makes it a node of the map."""
         odometry = self._odometry.track(frame, self.params)
-        self._collect(odometry)
-        self._too_fast = self._speed.exceeds(frame.stamp, odometry.T_odom_base, self.params)
+        self._motion.collect(frame, odometry, self.params)
         if not self._due(frame, odometry):
             self._hang(frame, odometry)
             return self._between_updates(frame, odometry)
+        self._motion.updated(frame)
         return self._update(frame, odometry)
 
     def set_params(self, changes: Mapping[str, Value]) -> Params:
@@ -130,46 +114,31 @@ class Slam:
             if spec(name).effect is not Effect.LIVE:
                 raise ParameterError(f"{name} takes effect with the {spec(name).effect.value}, not while mapping")
         self.params = params
-        if self._writer is not None:
-            for name in changes:
-                self._writer.parameter_change(self._newest_id, name, params.get(name))
+        self._recorder.params_changed(self._newest_id, changes, params)
         return params
 
     def poses_changed(self) -> None:
         """Somebody moved the graph's poses (a decision): the grid follows, and is stored."""
-        self._active.restrict(self.memory.ltm)
-        self._places.put(self.graph.poses, sorted(self.memory.ltm))
+        self._tiers.restrict()
         self._grid.move(self.graph.poses)
-        if self._writer is not None:
-            self._writer.save_grid(self._grid.occupancy())
+        self._recorder.save_grid()
 
     def ate_m(self) -> float | None:
         """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""
         return frames_ate_m(self.frames, self.graph.poses, self.graph.links)
 
     def close(self) -> None:
-        """Ends the session in order: all that is tracked is stored, the file is one plain file again."""
-        self._settle()
-        if self._writer is None:
-            return
-        self._writer.add_frames(self._unwritten)
-        self._unwritten = []
-        self._writer.update_nodes(self._weights)
-        self._writer.save_poses(self.graph.poses, None)
-        self._writer.save_grid(self._grid.occupancy())
-        self._writer.close_session(
-            ram_ids=self._wm_ids(), ram_word_ids=self.memory.dictionary.ids(), params=self.params, clean=True
-        )
-        self._writer.close()
+        """Ends the session in order: what was put off is done, all is stored, the file is one plain file again."""
+        self._tiers.settle(self.params)
+        self._grid.move(self.graph.poses)
+        self._recorder.close(self.params)
 
     def abandon(self) -> None:
         """Lets go of a file that can't be written any more; what was stored stays sound."""
-        if self._writer is not None:
-            self._writer.close()
+        self._recorder.abandon()
 
     def _update(self, frame: Frame, odometry: Odometry) -> Update:
         clock = StageClock()
-        self._last_stamp = frame.stamp
         with clock.stage("Timing/Memory_update/ms"):
             node, words = self._make_node(frame, odometry)
             rehearsal = rehearse(node, self.memory, self.params)
@@ -180,28 +149,35 @@ class Slam:
             if self.params.Mem.RehearsalWeightIgnoredWhileMoving:
                 rehearsal = None
             node = equipped(node, frame, self.params, clock)
+            left = self.memory.add(node, self.params)
             neighbor = self._insert(node, clock)
+            reductions = self._reduce(left)
             gravity = self._level(node, frame)
-            self._last, self._covariance = node, np.zeros((6, 6))
+            self._last = node
+            self._motion.begin()
             self._hang(frame, odometry)
         belief = self._loops.recognize(node, self.memory, self._active.graph, self.params, clock)
         with clock.stage("Timing/Reactivation/ms"):
-            retrieved = self._retrieve(node, belief)
+            retrieved = self._tiers.retrieve(node.id, belief.place, self.params)
         tried = self._loops.candidates(node, belief, self.memory, self._active.graph, self.params, clock)
         with clock.stage("Timing/Map_optimization/ms"):
-            if self.params.RGBD.LoopCovLimited and self._surest.any():
-                tried = [limited(candidate, self._surest) for candidate in tried]
-            closed = close(self._active.graph, tried, self.params)
-            self._follow(node, closed)
-            node = self._weigh(node, rehearsal, closed)
+            if self.params.RGBD.LoopCovLimited and self._motion.surest.any():
+                tried = [limited(candidate, self._motion.surest) for candidate in tried]
+            closed = self._closer.close(self._active.graph, tried, self.params, self._recorder.approved)
+            self._tiers.follow(node.id, closed)
+            if rehearsal is not None:
+                self.memory.set_weight(rehearsal.node_id, rehearsal.weight)
+            node = replace(node, weight=self._tiers.weigh(node.id, node.weight, closed, self.params))
         with clock.stage("TimingMem/Occupancy_grid/ms"):
             grid = self._grid.add(node.id, frame, self.graph.poses, self.params)
             if closed.optimized:
                 self._grid.join(self.graph, closed.links, self.params)
-                self._grid.follow(self.graph.poses, sorted(self._moved))
+                self._grid.follow(self.graph.poses, self._tiers.moved)
         with clock.stage("Timing/Forgetting/ms"):
-            transferred = self._transfer(belief, retrieved, clock.elapsed_ms)
-        facts = Facts(node, belief, closed, rehearsal, odometry, retrieved, transferred, self._travelled_m, neighbor)
+            transferred = self._tiers.transfer(belief.place, retrieved, clock.elapsed_ms, self.params)
+        facts = Facts(
+            node, belief, closed, rehearsal, odometry, retrieved, transferred, self._motion.travelled_m, neighbor
+        )
         update = Update(
             frame_index=frame.index,
             stamp=frame.stamp,
@@ -216,27 +192,12 @@ class Slam:
             statistics=describe(facts, self.memory, self._active.graph, self._correction, clock),
             time_ms=clock.elapsed_ms,
         )
-        self._write(frame, update, (*neighbor.links, *gravity, *closed.links), words, grid)
+        links = (*neighbor.links, *gravity, *closed.links)
+        self._recorder.write(frame, update, links, closed.removed, words, grid, reductions, self.params)
         return replace(update, time_ms=clock.elapsed_ms)
 
     def _due(self, frame: Frame, odometry: Odometry) -> bool:
-        """Whether a map update is due for this frame (``Rtabmap/DetectionRate``, by the frames' stamps)."""
-        if odometry.T_odom_base is None or self._too_fast:
-            return False
-        rate = self.params.Rtabmap.DetectionRate
-        if rate == 0 or self._restarted():
-            return True
-        # A camera's clock may be set back; waiting until it has caught up would stop the map.
-        return not 0.0 <= frame.stamp - self._last_stamp < (1.0 - _JITTER) / rate
-
-    def _restarted(self) -> bool:
-        """Whether odometry began anew since the last node."""
-        return bool(self._covariance[0, 0] >= UNKNOWN_VARIANCE)
-
-    def _collect(self, odometry: Odometry) -> None:
-        """Keeps the largest covariance since the last node: frames share the local map, so errors don't add up."""
-        if odometry.T_odom_base is not None and odometry.covariance[0, 0] > self._covariance[0, 0]:
-            self._covariance = odometry.covariance
+        return self._motion.due(frame, odometry, self.params)
 
     def _between_updates(self, frame: Frame, odometry: Odometry) -> Update:
         return Update(frame.index, frame.stamp, odometry, self._in_map(odometry))
@@ -252,35 +213,7 @@ class Slam:
         return None if odometry.T_odom_base is None else np.asarray(self._correction @ odometry.T_odom_base)
 
     def _hang(self, frame: Frame, odometry: Odometry) -> None:
-        """Adds a frame to the trajectory, relative to the newest node of its session."""
-        newest, T_node_base = self._last, None
-        if odometry.T_odom_base is not None and newest is not None:
-            T_node_base = between(newest.T_odom_base, odometry.T_odom_base)
-        lost = "" if odometry.lost is None else odometry.lost.text
-        self._track(frame, odometry, 0 if newest is None else newest.id, T_node_base, lost)
-
-    def _track(
-        self,
-        frame: Frame,
-        odometry: Odometry,
-        node_id: int,
-        T_node_base: Pose | None,
-        lost: str,
-        covariance: NDArray[np.float64] | None = None,
-    ) -> None:
-        tracked = TrackedFrame(
-            index=frame.index,
-            stamp=frame.stamp,
-            node_id=node_id,
-            T_node_base=T_node_base,
-            T_world_base=frame.T_world_base,
-            inliers=odometry.inliers,
-            odometry_ms=odometry.time_ms,
-            lost=lost,
-            covariance=covariance,
-        )
-        self.frames.append(tracked)
-        self._unwritten.append(tracked)
+        self._tracked.hang(frame, odometry, self._last)
 
     def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
         assert odometry.T_odom_base is not None
@@ -289,7 +222,7 @@ class Slam:
         word_ids, words = adopted or self.memory.quantize(features, self.params, best)
         node = Node(
             id=self._newest_id + 1,
-            map_id=self._map_id + int(self._last is not None and self._restarted()),
+            map_id=self._map_id + int(self._last is not None and self._motion.restarted),
             weight=0,
             stamp=frame.stamp,
             T_odom_base=odometry.T_odom_base,
@@ -304,7 +237,7 @@ class Slam:
         """A frame of a place that is in the map already: the last node weighs more, this one is not kept."""
         self.memory.forget_words(node)
         if rehearsal is not None:
-            self._set_weight(rehearsal.node_id, rehearsal.weight)
+            self.memory.set_weight(rehearsal.node_id, rehearsal.weight)
         self._hang(frame, odometry)
         return self._between_updates(frame, odometry)
 
@@ -316,19 +249,15 @@ class Slam:
 
     def _insert(self, node: Node, clock: StageClock) -> Neighbor:
         """Puts a node into graph and STM; returns its link to the node before it in the same session."""
-        last, started = self._last, self._restarted() and self._last is not None
+        last, started = self._last, self._motion.restarted and self._last is not None
         self._active.add_node(node.id, node.map_id, node.T_odom_base, self._correction @ node.T_odom_base)
-        self.memory.add(node, self.params)
         self._newest_id, self._map_id = node.id, node.map_id
-        if started and self._writer is not None:
-            self._writer.start_session(self.params, seed=self._seed, source=self._source)
+        if started:
+            self._recorder.start_session(self.params)
         if last is None or started:
+            self._tiers.labelled.add(node.id)
             return Neighbor()
-        T_last_node = between(last.T_odom_base, node.T_odom_base)
-        self._travelled_m += float(np.linalg.norm(T_last_node[:3, 3]))
-        information = np.asarray(np.linalg.inv(self._covariance), np.float64)
-        self._surest = np.maximum(self._surest, np.diagonal(information))
-        link = Link(node.id, last.id, LinkType.NEIGHBOR, between(node.T_odom_base, last.T_odom_base), information)
+        link = self._motion.link(last, node)
         with clock.stage("Timing/Neighbor_link_refining/ms"):
             neighbor = refine(link, node, last, self.params)
         if neighbor.refined:
@@ -336,6 +265,16 @@ class Slam:
         for kept in neighbor.links:
             self._active.add_link(kept)
         return neighbor
+
+    def _reduce(self, left: list[int]) -> tuple[Reduction, ...]:
+        """Nodes that left STM become part of older ones that loops tie them to (``Mem/ReduceGraph``)."""
+        if not self.params.Mem.ReduceGraph:
+            return ()
+        reductions = self._tiers.reduce(left)
+        for done in reductions:
+            self._tracked.rehang(done.node_id, done.into, done.T_into_node)
+            self._grid.leave_out(done.node_id)
+        return reductions
 
     def _level(self, node: Node, frame: Frame) -> tuple[Link, ...]:
         """Tells the graph what is known of a node alone: which way is up, and what the file that is replayed says."""
@@ -347,94 +286,3 @@ class Slam:
         for link in links:
             self._active.add_constraint(link)
         return tuple(links)
-
-    def _follow(self, node: Node, closed: Closed) -> None:
-        """All poses follow the optimised ones: those in RAM at once, those in long-term memory now and then."""
-        self._moved.add(node.id)
-        self._behind += 1
-        if closed.optimized:
-            self._active.closed(closed.links)
-            self._moved.update(self._active.graph.poses)
-        if _OFTEN * self._behind >= len(self.memory.ltm):
-            self._behind = 0
-            followed = self._active.follow()
-            self._places.put(self.graph.poses, (i for i in followed if i in self.memory.ltm))
-            self._moved.update(followed)
-
-    def _settle(self) -> None:
-        """What was put off to keep updates short is done: the whole graph fits together, and the grid follows it."""
-        if not self._active.is_whole:
-            self._active.follow()
-            with suppress(OptimizationError):
-                self.graph.poses = optimize(self.graph, self.params).poses
-        self._grid.move(self.graph.poses)
-
-    def _retrieve(self, node: Node, belief: Belief) -> list[int]:
-        chosen = choose_retrieval(
-            self.memory, self.graph, self._places, node_id=node.id, best_id=belief.place, params=self.params
-        )
-        retrieved = self.memory.retrieve(chosen, self.params)
-        self._places.drop(retrieved)
-        self._active.come_back(retrieved)
-        self._moved.update(retrieved)
-        return retrieved
-
-    def _weigh(self, node: Node, rehearsal: Rehearsal | None, closed: Closed) -> Node:
-        """Weights after rehearsal and loop closure: a place seen again hands its weight to its newest node."""
-        if rehearsal is not None:
-            self._set_weight(rehearsal.node_id, rehearsal.weight)
-        weight = node.weight
-        for link in closed.links:
-            if link.type is LinkType.GLOBAL_CLOSURE:
-                self._last_loop = link.to_id
-                weight += self.memory.weights[link.to_id]
-                self._set_weight(link.to_id, 0)
-        self.memory.weights[node.id] = weight
-        return replace(node, weight=weight)
-
-    def _set_weight(self, node_id: int, weight: int) -> None:
-        self.memory.weights[node_id] = self._weights[node_id] = weight
-
-    def _transfer(self, belief: Belief, retrieved: list[int], elapsed_ms: float) -> list[int]:
-        chosen = choose_transfer(
-            self.memory,
-            self.graph,
-            retrieved=retrieved,
-            elapsed_ms=elapsed_ms,
-            best_id=belief.place,
-            last_loop_id=self._last_loop,
-            params=self.params,
-        )
-        self.memory.transfer(chosen)
-        self._places.put(self.graph.poses, chosen)
-        self._active.leave(chosen)
-        return chosen
-
-    def _write(
-        self, frame: Frame, update: Update, links: tuple[Link, ...], words: WordRows, grid: LocalGrid | None
-    ) -> None:
-        """One transaction with the node and all that its update changed."""
-        if self._writer is None or update.node is None:
-            return
-        record = NodeRecord(
-            node=update.node,
-            update=update,
-            image_bgr=frame.image_bgr if frame.image_bgr.size else None,
-            depth_m=frame.depth_m if frame.depth_m.size else None,
-            links=links,
-            words=words,
-            renamed_words=self.memory.take_renamed(),
-            grid=grid,
-            statistics=update.statistics,
-            wm_ids=self._wm_ids() if self.params.Rtabmap.SaveWMState else None,
-            weights={i: w for i, w in self._weights.items() if i != update.node.id},
-            frames=tuple(self._unwritten),
-            poses={i: self.graph.poses[i] for i in sorted(self._moved)},
-            grid_map=self._grid.occupancy_in_turn(),
-            stored=frame.stored,
-        )
-        self._writer.add_node(record)
-        self._unwritten, self._weights, self._moved = [], {}, set()
-
-    def _wm_ids(self) -> tuple[int, ...]:
-        return tuple(sorted([*self.memory.stm, *self.memory.wm]))

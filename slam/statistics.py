@@ -14,6 +14,7 @@ from slam.loop.closing import Closed
 from slam.loop.detector import Belief
 from slam.memory.memory import Memory
 from slam.memory.rehearsal import Rehearsal
+from slam.memory.tiers import Transfer
 from slam.registration.refining import Neighbor
 from slam.types import Candidate, LinkType, Node, Odometry, Registration
 
@@ -28,7 +29,7 @@ class Facts:
     rehearsal: Rehearsal | None
     odometry: Odometry
     retrieved: Sequence[int]
-    transferred: Sequence[int]
+    transferred: Transfer
     travelled_m: float
     neighbor: Neighbor
 
@@ -38,6 +39,7 @@ def describe(facts: Facts, memory: Memory, graph: PoseGraph, T_map_odom: Pose, c
     return {
         **_loop(facts),
         **_closure(facts.closed),
+        **_removed(facts.closed),
         **_pose(graph.poses[facts.node.id], T_map_odom),
         **_memory(facts, memory, graph),
         **_odometry(facts.odometry),
@@ -114,6 +116,15 @@ def _closure(closed: Closed) -> dict[str, float]:
     }
 
 
+def _removed(closed: Closed) -> dict[str, float]:
+    """The old loop that was found to be wrong, and how many went with it; nothing where none was."""
+    if not closed.removed:
+        return {}
+    first = closed.removed[0]
+    values = {"from_id": first.from_id, "to_id": first.to_id, "count": len(closed.removed)}
+    return {f"Loop/Optimization_max_error_removed_{what}/": float(value) for what, value in values.items()}
+
+
 def _pose(T_map_base: Pose, T_map_odom: Pose) -> dict[str, float]:
     values = {
         "Loop/MapToOdom_norm/m": translation_norm(T_map_odom),
@@ -129,13 +140,16 @@ def _pose(T_map_base: Pose, T_map_odom: Pose) -> dict[str, float]:
 
 
 def _memory(facts: Facts, memory: Memory, graph: PoseGraph) -> dict[str, float]:
-    rehearsal = facts.rehearsal
+    rehearsal, immunity = facts.rehearsal, facts.transferred.immunity
     return {
         "Memory/Short_time_memory_size/": float(len(memory.stm)),
         "Memory/Working_memory_size/": float(len(memory.wm)),
         "Memory/Long_term_memory_size/": float(len(memory.ltm)),
         "Memory/Local_graph_size/": float(len(graph)),
-        "Memory/Signatures_removed/": float(len(facts.transferred)),
+        "Memory/Signatures_removed/": float(len(facts.transferred.ids)),
+        "Memory/Immunized_globally/": float(len(immunity.globally)),
+        "Memory/Immunized_locally/": float(len(immunity.locally)),
+        "Memory/Immunized_locally_max/": float(immunity.most_locally),
         "Memory/Signatures_retrieved/": float(len(facts.retrieved)),
         "Memory/Rehearsal_id/": 0.0 if rehearsal is None else float(rehearsal.node_id),
         "Memory/Rehearsal_sim/": 0.0 if rehearsal is None else rehearsal.similarity,

@@ -93,6 +93,12 @@ class GhostOdometry:
         self._world = world
         self._rng = np.random.default_rng(0)
         self._T_odom_base: Pose = np.eye(4)
+        self._prepared: tuple[int, Features] | None = None
+
+    def prepare(self, frame: Frame, params: Params) -> None:
+        """Makes up what the frame sees ahead of its turn."""
+        del params
+        self._prepared = frame.index, self._world.features(frame.index)
 
     def track(self, frame: Frame, params: Params) -> Odometry:
         """The pose that odometry would give; the first frame starts the chain."""
@@ -103,5 +109,7 @@ class GhostOdometry:
             noise = make(so3_exp(self._rng.normal(0, _SIGMA_RAD, 3)), self._rng.normal(0, _SIGMA_M, 3))
             self._T_odom_base = self._T_odom_base @ T @ noise
             covariance = np.diag([_SIGMA_M**2] * 3 + [_SIGMA_RAD**2] * 3)
-        features = self._world.features(frame.index)
+        index, features = self._prepared or (-1, None)
+        if features is None or index != frame.index:
+            features = self._world.features(frame.index)
         return Odometry(self._T_odom_base, covariance, features, len(features), len(features), False, None, 0.0)

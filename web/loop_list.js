@@ -62,10 +62,15 @@ export class LoopList {
     const fits = (/** @type {LoopRow} */ loop) =>
       (!states.length || states.includes(loop.state)) && (!type || loop.type === type) && (!minInliers || (loop.inliers ?? 0) >= minInliers);
     const down = order.startsWith("-");
-    const key = /** @type {keyof LoopRow} */ (order.replace("-", ""));
+    const key = order.replace("-", "");
     const sign = down ? -1 : 1;
-    return [...this.byKey.values()].filter(fits).sort((a, b) => compare(a[key], b[key], sign) || b.from - a.from);
+    return [...this.byKey.values()].filter(fits).sort((a, b) => compare(value(a, key), value(b, key), sign) || b.from - a.from);
   }
+}
+
+/** What a loop is sorted by. @param {LoopRow} loop @param {string} key @returns {unknown} */
+function value(loop, key) {
+  return key === "doubt" ? loop.doubt?.score : loop[/** @type {keyof LoopRow} */ (key)];
 }
 
 /** What has no value comes last, whichever way one sorts. @param {any} a @param {any} b @param {number} sign */

@@ -14,6 +14,7 @@ export class Window {
     this.map = map;
     this.order = /** @type {NodeOrder} */ ("id");
     this.query = "";
+    this.dropped = false;
     this.total = 0;
     this.loaded = false;
     /** @type {Error | null} */
@@ -31,10 +32,11 @@ export class Window {
     this.revision = signal(0);
   }
 
-  /** @param {NodeOrder} order @param {string} query */
-  ask(order, query) {
+  /** @param {NodeOrder} order @param {string} query @param {boolean} dropped merged and dropped nodes as well */
+  ask(order, query, dropped = false) {
     this.order = order;
     this.query = query;
+    this.dropped = dropped;
     this.generation += 1;
     this.underway = 0;
     this.pages.clear();
@@ -77,7 +79,7 @@ export class Window {
     this.asked.add(page);
     this.underway += 1;
     const generation = this.generation;
-    const query = { offset: page * PAGE, limit: PAGE, order: this.order, q: this.query };
+    const query = { offset: page * PAGE, limit: PAGE, order: this.order, q: this.query, dropped: this.dropped };
     try {
       const found = await get("/api/maps/{map}/nodes", { path: { map: this.map }, query });
       if (generation !== this.generation) return;

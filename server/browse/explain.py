@@ -31,7 +31,22 @@ def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | N
         said.append(f"Refused: {candidate.refusal.text.rstrip('.')}.")
     else:
         said.append(f"{verdict}: {_grounds(snapshot, pair, candidate)}.")
-    return " ".join(said)
+    return " ".join([*said, *_suspect(snapshot, pair)])
+
+
+def _suspect(snapshot: Snapshot, pair: Pair) -> list[str]:
+    """What speaks against a loop, where it is enough to look at it again."""
+    found = snapshot.suspicions.get(pair)
+    if found is None or found.score < 1.0:
+        return []
+    parts = []
+    if math.isfinite(found.odometry):
+        parts.append(f"odometry alone is {found.odometry:.1f} sigma from it")
+    if found.compared:
+        parts.append(f"{found.agreeing} of {found.compared} loops near by agree with it")
+    if math.isfinite(found.residual):
+        parts.append(f"the optimised graph is {found.residual:.1f} sigma from it")
+    return [f"Suspect: {', '.join(parts)}."]
 
 
 def _grounds(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from server.browse.columns import number, pose_list
 from server.browse.explain import explain
-from server.browse.loops import evidence, loop_state, reason
+from server.browse.loops import doubt, evidence, loop_state, reason
 from server.browse.snapshot import Pair, Snapshot
 from server.errors import NotFoundError
 from server.schemas import LinkDetail
@@ -36,6 +36,8 @@ def link_detail(snapshot: Snapshot, from_id: int, to_id: int) -> LinkDetail:
         sigma_deg=None if sigmas is None else np.degrees(sigmas[3:]).tolist(),
         residual_sigma=number(snapshot.residuals.get(pair)),
         chi2=_chi2(snapshot, pair),
+        chi2_share=_chi2_share(snapshot, pair),
+        doubt=doubt(snapshot, pair),
         posterior=None if candidate is None else number(candidate.posterior),
         inliers=None if candidate is None else evidence(candidate.inliers),
         matches=None if candidate is None else evidence(candidate.matches),
@@ -70,6 +72,11 @@ def _sigmas(information: Array) -> Array | None:
     if not (variances > 0).all():
         return None
     return np.sqrt(np.minimum(variances, UNKNOWN_VARIANCE))
+
+
+def _chi2_share(snapshot: Snapshot, pair: Pair) -> float | None:
+    own, whole = _chi2(snapshot, pair), snapshot.chi2
+    return None if own is None or whole <= 0 else own / whole
 
 
 def _chi2(snapshot: Snapshot, pair: Pair) -> float | None:

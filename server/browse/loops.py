@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from server.browse.columns import number
 from server.browse.snapshot import Pair, Snapshot
-from server.schemas import LoopReason, LoopRow, Loops
+from server.schemas import LoopDoubt, LoopReason, LoopRow, Loops
 from slam.database import LoopState
 from slam.geometry import translation_norm
 from slam.types import Candidate, Link, LinkType, Refusal
@@ -23,14 +23,15 @@ def loops(snapshot: Snapshot, after: int = 0) -> Loops:
 
 
 def loop_state(snapshot: Snapshot, pair: Pair) -> LoopState | None:
-    """Where a loop stands; None for odometry and for what was never looked at."""
+    """Where a loop stands; None for odometry, for what was never looked at, and for nodes that are gone."""
     link = snapshot.links.get(pair)
     decided = snapshot.history.last(pair)
     if decided is not None:
         return _DECIDED[decided.action]
     if link is not None:
         return LoopState.ACCEPTED if link.type.is_loop else None
-    return LoopState.REFUSED if pair in snapshot.candidates else None
+    # A node that became part of an older one (Mem/ReduceGraph) has no loops that could be decided about.
+    return LoopState.REFUSED if pair in snapshot.candidates and set(pair) <= snapshot.rows.keys() else None
 
 
 def reason(refusal: Refusal | None) -> LoopReason | None:
@@ -39,6 +40,21 @@ def reason(refusal: Refusal | None) -> LoopReason | None:
         return None
     return LoopReason(
         test=refusal.test, value=number(refusal.value), threshold=number(refusal.threshold), text=refusal.text
+    )
+
+
+def doubt(snapshot: Snapshot, pair: Pair) -> LoopDoubt | None:
+    """What speaks against a loop; None where there is no transform to judge."""
+    found = snapshot.suspicions.get(pair)
+    if found is None:
+        return None
+    return LoopDoubt(
+        score=found.score,
+        residual=number(found.residual),
+        odometry=number(found.odometry),
+        neighbors=number(found.neighbors),
+        compared=found.compared,
+        agreeing=found.agreeing,
     )
 
 
@@ -71,6 +87,7 @@ def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
         inliers=None if candidate is None else evidence(candidate.inliers),
         matches=None if candidate is None else evidence(candidate.matches),
         residual_sigma=number(snapshot.residuals.get(pair)),
+        doubt=doubt(snapshot, pair),
         translation_m=None if T_from_to is None else translation_norm(T_from_to),
         update=pair[1] if looked_at is None else looked_at.update_id,
         reason=None if candidate is None else reason(candidate.refusal),

@@ -9,6 +9,7 @@ from server.browse.increments import Increments
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
+from server.browse.trials import LoopTrials
 from server.catalog import MapFile
 from slam.database import MapReader
 
@@ -23,6 +24,7 @@ class MapView:
         reader: of the file.
         increments: what changed in the graph since which revision.
         statistics: of its updates.
+        trials: what the images say of loops that were never tried.
     """
 
     def __init__(self, file: MapFile) -> None:
@@ -30,6 +32,7 @@ class MapView:
         self.reader = MapReader(file.path)
         self.increments = Increments()
         self.statistics = StatisticsLog(self.reader)
+        self.trials = LoopTrials(self.reader)
         self._tiers = TierLog(self.reader)
         self._lock = threading.Lock()
         self._print: Fingerprint = ()

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from server.browse.columns import number_list, pose_list
 from server.browse.journal import journal_entry
 from server.browse.map_view import MapView
+from server.browse.sensors import node_sensors
 from server.browse.snapshot import Snapshot
 from server.errors import NotFoundError
 from server.schemas import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
 from slam.camera import Camera
+from slam.database import NodeTable
 from slam.geometry import inverse, transform, translation_norm
 from slam.types import Link, Tier
 
@@ -22,10 +24,13 @@ _WORDS = "Keypoint/Current_frame/words"
 NodeOrder = Literal["id", "-id", "weight", "-weight", "stamp", "-stamp"]
 
 
-def page(view: MapView, *, offset: int, limit: int, order: NodeOrder, query: str) -> NodePage:
-    """Some rows of the node table: those whose id or label holds the text, in an order."""
+def page(view: MapView, *, offset: int, limit: int, order: NodeOrder, query: str, dropped: bool = False) -> NodePage:
+    """Some rows of the node table: those whose id or label holds the text, in an order.
+
+    With ``dropped`` merged and dropped nodes (weight -9) are among them, which are no part of the map.
+    """
     snapshot = view.snapshot()
-    table = snapshot.nodes
+    table = snapshot.all_nodes if dropped else snapshot.nodes
     keys: dict[str, NDArray[np.generic]] = {"id": table.ids, "weight": table.weights, "stamp": table.stamps}
     rows = np.argsort(keys[order.removeprefix("-")], kind="stable")
     if order.startswith("-"):
@@ -34,27 +39,34 @@ def page(view: MapView, *, offset: int, limit: int, order: NodeOrder, query: str
     if wanted:
         rows = np.array([row for row in rows if wanted in f"{table.ids[row]} {table.labels[row] or ''}".lower()], int)
     shown = rows[offset : offset + limit].tolist()
-    return NodePage(total=len(rows), nodes=[_row(view, snapshot, row) for row in shown])
+    return NodePage(total=len(rows), nodes=[_row(view, snapshot, table, row) for row in shown])
 
 
 def detail(view: MapView, node_id: int) -> NodeDetail:
-    """One node in full; raises NotFoundError when the map has none of this id."""
+    """One node in full, also a dropped one; raises NotFoundError when the file has none of this id."""
     snapshot = view.snapshot()
-    require_node(snapshot, node_id)
+    table = snapshot.all_nodes
+    row = int(np.searchsorted(table.ids, node_id))
+    if row == len(table) or table.ids[row] != node_id:
+        require_node(snapshot, node_id)
     node = view.reader.node(node_id)
     true = None if node.T_world_base is None else snapshot.T_map_world @ node.T_world_base
-    linked = [link for link in snapshot.links.values() if node_id in (link.from_id, link.to_id)]
+    cameras = _cameras(view, node_id)
+    right = any(camera.baseline_m is not None for camera in cameras)
     return NodeDetail(
-        **_row(view, snapshot, snapshot.rows[node_id]).model_dump(),
+        **_row(view, snapshot, table, row).model_dump(),
         pose=pose_list(snapshot.poses.get(node_id)),
         odom=pose_list(node.T_odom_base),
         truth=pose_list(true),
-        camera=_camera(view, node_id),
+        camera=cameras[0] if cameras else None,
+        cameras=cameras,
+        sensors=node_sensors(view.reader, node_id),
         features=node.features,
-        links=[_link(link) for link in sorted(linked, key=lambda link: (link.type, link.pair))],
+        links=[_link(link) for link in _links_of(snapshot, node_id)],
         statistics=view.statistics.at(node_id),
         has_image=node.image_bytes > 0,
-        has_depth=node.depth_bytes > 0,
+        has_depth=node.depth_bytes > 0 and not right,
+        has_right=node.depth_bytes > 0 and right,
         decisions=[journal_entry(entry) for entry in snapshot.journal if node_id in entry.pair],
     )
 
@@ -69,7 +81,7 @@ def features(view: MapView, node_id: int) -> NodeFeatures:
         size=found.sizes.round(2).tolist(),
         angle=found.angles.round(1).tolist(),
         word=words.tolist(),
-        depth_m=number_list(_depths(view, node_id, found.points_base), 4),
+        depth_m=number_list(_depths(view, node_id, found.points_base, found.pixels[:, 0]), 4),
     )
 
 
@@ -88,8 +100,7 @@ def camera_of(view: MapView, node_id: int) -> Camera | None:
     return view.reader.camera(node_id)
 
 
-def _row(view: MapView, snapshot: Snapshot, row: int) -> NodeRow:
-    table = snapshot.nodes
+def _row(view: MapView, snapshot: Snapshot, table: NodeTable, row: int) -> NodeRow:
     node_id = int(table.ids[row])
     words = view.statistics.at(node_id).get(_WORDS)
     return NodeRow(
@@ -104,20 +115,38 @@ def _row(view: MapView, snapshot: Snapshot, row: int) -> NodeRow:
     )
 
 
+def _links_of(snapshot: Snapshot, node_id: int) -> list[Link]:
+    """All links of a node, with its priors, gravity and landmarks, and the mark of what it was merged into."""
+    linked = [link for link in snapshot.all_links if node_id in link.pair]
+    return sorted(linked, key=lambda link: (link.type, link.pair))
+
+
 def _link(link: Link) -> NodeLink:
     length = None if link.T_from_to is None else translation_norm(link.T_from_to)
     return NodeLink(from_=link.from_id, to=link.to_id, type=link.type.label, translation_m=length)
 
 
-def _camera(view: MapView, node_id: int) -> CameraModel | None:
-    camera = camera_of(view, node_id)
-    if camera is None:
-        return None
-    return CameraModel(width=camera.width, height=camera.height, fx=camera.fx, fy=camera.fy, cx=camera.cx, cy=camera.cy)
+def _cameras(view: MapView, node_id: int) -> list[CameraModel]:
+    if node_id not in view.snapshot().calibrated:
+        return []
+    cameras, baselines = view.reader.cameras(node_id), view.reader.baselines(node_id)
+    pairs = zip(cameras, baselines or [None] * len(cameras), strict=True)
+    return [
+        CameraModel(width=c.width, height=c.height, fx=c.fx, fy=c.fy, cx=c.cx, cy=c.cy, baseline_m=baseline)
+        for c, baseline in pairs
+    ]
 
 
-def _depths(view: MapView, node_id: int, points_base: NDArray[np.float32]) -> NDArray[np.float64]:
-    camera = camera_of(view, node_id)
-    if camera is None:
-        return np.full(len(points_base), np.nan)
-    return transform(inverse(camera.T_base_cam), points_base)[:, 2]
+def _depths(
+    view: MapView, node_id: int, points_base: NDArray[np.float32], columns: NDArray[np.float32]
+) -> NDArray[np.float64]:
+    """Depth (N,) of points along the axis of the camera whose tile of the image they are in; NaN without a camera."""
+    depths = np.full(len(points_base), np.nan)
+    if node_id not in view.snapshot().calibrated:
+        return depths
+    cameras = view.reader.cameras(node_id)
+    tiles = np.clip(columns // max(1, cameras[0].width), 0, len(cameras) - 1).astype(int)
+    for tile, camera in enumerate(cameras):
+        here = tiles == tile
+        depths[here] = transform(inverse(camera.T_base_cam), points_base[here])[:, 2]
+    return depths

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from server.schemas import Parameter, ParameterSet
+from server.schemas import Parameter, ParameterChoice, ParameterSet
 from slam.params import ParamSpec, Value, specs
+from slam.params.feature_types import feature_name
 
 #: The dozen that matter first, in the order in which the page shows them.
 FRONT = (
@@ -45,7 +46,15 @@ def _parameter(entry: ParamSpec, value: Value) -> Parameter:
         unit=entry.unit,
         minimum=entry.minimum,
         maximum=entry.maximum,
+        choices=[ParameterChoice(value=value, label=_label(entry.name, value)) for value in entry.choices],
         meaning=entry.meaning,
         effect=entry.effect,
         front=entry.name in FRONT,
     )
+
+
+def _label(name: str, value: int | str) -> str:
+    """What a choice is called: feature types have names."""
+    if name in ("Vis/FeatureType", "Kp/DetectorStrategy") and isinstance(value, int):
+        return f"{value} {feature_name(value)}"
+    return str(value)

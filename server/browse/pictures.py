@@ -7,6 +7,7 @@ import numpy as np
 
 from server.browse.map_view import MapView
 from server.errors import NotFoundError
+from slam.database.images import decode_color
 
 _PREVIEW_WIDTH = 320
 _PNG = b"\x89PNG"
@@ -14,16 +15,24 @@ _PNG = b"\x89PNG"
 
 def stored_image(view: MapView, node_id: int) -> tuple[bytes, str]:
     """Colour image of a node as stored, and its media type; raises NotFoundError when it has none."""
-    data = _present(view, node_id, "image")
-    return data, "image/png" if data.startswith(_PNG) else "image/jpeg"
+    return _with_type(_present(view, node_id, "image"))
+
+
+def stored_right(view: MapView, node_id: int) -> tuple[bytes, str]:
+    """Right image of a stereo pair as stored, and its media type; raises NotFoundError when the node has none."""
+    data = _present(view, node_id, "depth")
+    if not view.reader.baselines(node_id):
+        raise NotFoundError(f"node {node_id} of {view.file.name} has a depth image, and no right one")
+    return _with_type(data)
 
 
 def preview(view: MapView) -> bytes:
     """A small JPEG of the map's first image; raises NotFoundError when no node has one."""
     with_image = view.reader.nodes_with("image")
-    if not len(with_image):
+    stored = None if len(with_image) else view.reader.preview()
+    if not len(with_image) and stored is None:
         raise NotFoundError(f"{view.file.name} has no image")
-    image = view.reader.image_bgr(int(with_image[0]))
+    image = decode_color(stored) if stored else view.reader.image_bgr(int(with_image[0]))
     height = max(1, round(image.shape[0] * _PREVIEW_WIDTH / image.shape[1]))
     small = cv2.resize(image, (_PREVIEW_WIDTH, height), interpolation=cv2.INTER_AREA)
     return bytes(cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 82])[1])
@@ -39,6 +48,10 @@ def coloured_depth(view: MapView, node_id: int, max_m: float) -> bytes:
     return bytes(cv2.imencode(".png", np.dstack([image, known]), [cv2.IMWRITE_PNG_COMPRESSION, 3])[1])
 
 
+def _with_type(data: bytes) -> tuple[bytes, str]:
+    return data, "image/png" if data.startswith(_PNG) else "image/jpeg"
+
+
 def _far(depth_m: np.ndarray) -> float:
     """A depth that nearly all pixels are nearer than."""
     known = depth_m[(depth_m > 0) & np.isfinite(depth_m)]
@@ -46,8 +59,7 @@ def _far(depth_m: np.ndarray) -> float:
 
 
 def _present(view: MapView, node_id: int, kind: str) -> bytes:
-    node_ids = view.snapshot().rows
-    if node_id not in node_ids:
+    if node_id not in view.snapshot().all_nodes.ids:
         raise NotFoundError(f"{view.file.name} has no node {node_id}")
     node = view.reader.node(node_id)
     if not (node.image_bytes if kind == "image" else node.depth_bytes):

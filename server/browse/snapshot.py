@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from server.browse.completion import Completion, complete
 from slam.accuracy import frames_ate_m, pooled_ate_m
 from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
 from slam.errors import ParameterError
 from slam.evaluate import align
 from slam.geometry import Pose
+from slam.graph.graph import PoseGraph
+from slam.graph.optimizer import chi2
+from slam.graph.suspicion import Suspicion, suspicions
 from slam.graph.verify import residual_ratios
 from slam.history import History
 from slam.params import Params
-from slam.types import WEIGHT_INVALID, Link, Tier
+from slam.types import WEIGHT_INVALID, Link, Tier, TrackedFrame
 
 Pair = tuple[int, int]
 
@@ -37,9 +41,14 @@ class Snapshot:
         self.tiers = tiers
 
     @cached_property
+    def all_nodes(self) -> NodeTable:
+        """All nodes of the file, with the merged and dropped ones, which are no part of the map."""
+        return self.reader.nodes()
+
+    @cached_property
     def nodes(self) -> NodeTable:
         """The nodes of the map, without the merged and dropped ones."""
-        table = self.reader.nodes()
+        table = self.all_nodes
         kept = table.weights > WEIGHT_INVALID
         return NodeTable(
             ids=table.ids[kept],
@@ -57,9 +66,21 @@ class Snapshot:
         return {int(node_id): row for row, node_id in enumerate(self.nodes.ids)}
 
     @cached_property
+    def completion(self) -> Completion:
+        """Optimised poses that the file lacks."""
+        if all(node_id in self.stored_poses for pair in self.links for node_id in pair):
+            return Completion()
+        return complete(self.reader, self.stored_poses, self.params)
+
+    @cached_property
+    def stored_poses(self) -> dict[int, Pose]:
+        """Optimised poses T_map_base as they are in the file."""
+        return self.reader.poses()
+
+    @cached_property
     def poses(self) -> dict[int, Pose]:
-        """T_map_base by id: optimised, or as odometry says where the file holds no optimised one."""
-        stored = self.reader.poses()
+        """T_map_base by id, landmarks (negative) too: optimised, or as odometry says of nodes without links."""
+        stored = self.stored_poses | self.completion.poses
         table = self.nodes
         for node_id, T_odom_base in zip(table.ids.tolist(), table.T_odom, strict=True):
             if node_id not in stored and np.isfinite(T_odom_base).all():
@@ -67,10 +88,20 @@ class Snapshot:
         return stored
 
     @cached_property
+    def all_links(self) -> list[Link]:
+        """All links of the file, each pair once."""
+        return self.reader.links()
+
+    @cached_property
     def links(self) -> dict[Pair, Link]:
         """Links between two nodes of the map, by both ids, smaller first."""
-        found = self.reader.links()
+        found = self.all_links
         return {link.pair: link for link in found if link.from_id != link.to_id and set(link.pair) <= self.rows.keys()}
+
+    @cached_property
+    def constraints(self) -> list[Link]:
+        """Priors, gravity and sightings of landmarks of the nodes of the map."""
+        return [link for link in self.all_links if link.from_id in self.rows and _is_constraint(link)]
 
     @cached_property
     def residuals(self) -> dict[Pair, float]:
@@ -86,6 +117,27 @@ class Snapshot:
         ratios = residual_ratios(judged, poses)
         worst = np.maximum(ratios[:, 0], ratios[:, 2])
         return {link.pair: float(sigma) for link, sigma in zip(judged, worst, strict=True)}
+
+    @cached_property
+    def graph(self) -> PoseGraph:
+        """All nodes and links with the poses of this map."""
+        return PoseGraph.from_reader(self.reader)
+
+    @cached_property
+    def chi2(self) -> float:
+        """Sum of squared, whitened residuals of all links."""
+        return chi2(list(self.graph.links.values()), self.graph.poses)
+
+    @cached_property
+    def suspicions(self) -> dict[Pair, Suspicion]:
+        """What speaks against each loop that has a transform, in the graph or only looked at."""
+        graph = self.graph
+        loops = {pair: link for pair, link in graph.links.items() if link.type.is_loop}
+        for pair, row in self.candidates.items():
+            link = row.candidate.link
+            if link is not None and pair not in graph.links and graph.has(*pair):
+                loops[pair] = link
+        return suspicions(graph, list(loops.values()), self.params.RGBD.OptimizeMaxError)
 
     @cached_property
     def loop_counts(self) -> Counter[int]:
@@ -140,25 +192,38 @@ class Snapshot:
     @cached_property
     def ate_m(self) -> float | None:
         """Absolute trajectory error of all tracked frames (nodes, where frames aren't stored); None without truth."""
+        return self.ate_at(self.poses, self.links)
+
+    def ate_at(self, poses: Mapping[int, Pose], pairs: Iterable[Pair]) -> float | None:
+        """The same with nodes at other poses, and joined by links between other pairs."""
         if not self.has_truth:
             return None
-        frames = self.reader.trajectory()
-        if frames:
-            return frames_ate_m(frames, self.poses, self.links)
-        return pooled_ate_m(*self._node_path(), self.links)
+        if self._frames:
+            return frames_ate_m(self._frames, poses, pairs)
+        return pooled_ate_m(*self._node_path(poses), pairs)
+
+    @cached_property
+    def _frames(self) -> list[TrackedFrame]:
+        return self.reader.trajectory()
 
     @cached_property
     def T_map_world(self) -> Pose:
         """Lays the true path over the map's, by the nodes that have both; NaN where none has."""
-        T_world, T_map, _ = self._node_path()
+        T_world, T_map, _ = self._node_path(self.poses)
         known = np.isfinite(T_world[:, 0, 3])
         return align(T_map[known, :3, 3], T_world[known, :3, 3]) if known.any() else np.full((4, 4), np.nan)
 
-    def _node_path(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-        ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in self.poses]
+    def _node_path(
+        self, poses: Mapping[int, Pose]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+        ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in poses]
         rows = [self.rows[node_id] for node_id in ids]
-        T_map = np.array([self.poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
+        T_map = np.array([poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
         return self.nodes.T_world[rows], T_map, np.array(ids, np.int64)
+
+
+def _is_constraint(link: Link) -> bool:
+    return link.to_id < 0 or (link.from_id == link.to_id and link.T_from_to is not None)
 
 
 def _pair(a: int, b: int) -> Pair:

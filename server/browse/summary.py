@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from server.browse.map_view import MapView
+from server.browse.notes import notes
+from server.browse.sessions import session_list
 from server.catalog import MapFile
 from server.schemas import MapFacts, MapInfo, MapSummary
 from slam.database import MapInfo as StoredInfo
@@ -48,6 +50,8 @@ def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
         writable=writable,
         has_truth=snapshot.has_truth,
         ate_m=snapshot.ate_m,
+        notes=notes(snapshot, clean=info.clean, live=live),
+        session_list=session_list(view.reader, snapshot.all_nodes, snapshot.all_links),
     )
 
 

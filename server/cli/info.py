@@ -41,7 +41,7 @@ def info(
         parameter_diff(paths, as_json=json)
         return
     reader = MapReader(paths[0])
-    found, sessions, more = facts(reader.info()), describe_sessions(reader), asdict(describe(reader))
+    found, sessions, more = facts(reader.info()), _sessions(reader), asdict(describe(reader))
     if json:
         typer.echo(json_format.dumps({**found.model_dump(), **more, "session_list": sessions}))
         return
@@ -53,26 +53,10 @@ def info(
     Console().print(table)
 
 
-def describe_sessions(reader: MapReader) -> list[dict[str, Any]]:
-    """Each session: number, nodes, source, whether it was closed in order, and those that it is one map with."""
-    from slam.graph.components import components
+def _sessions(reader: MapReader) -> list[dict[str, Any]]:
+    from server.browse.sessions import session_list
 
-    nodes = reader.nodes()
-    map_id_of = dict(zip(nodes.ids.tolist(), nodes.map_ids.tolist(), strict=True))
-    pairs = [link.pair for link in reader.links() if link.from_id in map_id_of and link.to_id in map_id_of]
-    piece_of = components(map_id_of.values(), ((map_id_of[a], map_id_of[b]) for a, b in pairs))
-    return [
-        {
-            "map_id": row.map_id,
-            "nodes": row.nodes,
-            "source": row.source,
-            "clean": row.clean,
-            "joined_with": sorted(
-                i for i, piece in piece_of.items() if i != row.map_id and piece == piece_of.get(row.map_id)
-            ),
-        }
-        for row in reader.sessions()
-    ]
+    return [session.model_dump() for session in session_list(reader, reader.nodes(), reader.links())]
 
 
 def _session_text(session: dict[str, Any]) -> str:

@@ -10,7 +10,6 @@ from server.engine.commands import Decide, EditJob, Request, Stop
 from server.engine.decision import carry_out
 from server.engine.events import Ended, GraphChanged, Started
 from server.errors import EngineError
-from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
 from slam.errors import SlamError
 from slam.graph.graph import PoseGraph
@@ -35,10 +34,8 @@ class Editor:
         with MapWriter.open(self._path) as writer:
             reader = MapReader(self._path)
             snapshot = Snapshot(reader, 1, {})
-            graph, frames = PoseGraph.from_reader(reader), reader.trajectory()
-            review = Review(
-                graph, writer, reader, snapshot.params, lambda poses: frames_ate_m(frames, poses, graph.links)
-            )
+            graph = PoseGraph.from_reader(reader)
+            review = Review(graph, writer, reader, snapshot.params, lambda poses: snapshot.ate_at(poses, graph.links))
             grid = GridRebuild(reader, writer, graph, snapshot.params)
             self._channel.send(Started("", None, dict(snapshot.params.items())))
             self._serve(review, grid)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from slam.database import MapReader, MapWriter
@@ -58,14 +58,13 @@ def engine_on_map(
 
 
 def _engine_on_old_map(path: Path, params: Params, seed: int, source: str) -> tuple[Slam, MapWriter]:
-    writer = MapWriter.open(path)
-    try:
+    with ExitStack() as undo:
+        writer = MapWriter.open(path)
+        undo.callback(writer.close)
         # Read before the session begins: a map that can't be gone on with stays as it is.
         past = recall(MapReader(path), params, seed=seed)
         writer.start_session(params, seed=seed, source=source)
-    except BaseException:
-        writer.close()
-        raise
+        undo.pop_all()
     if params.Mem.IncrementalMemory:
         return Slam(params, writer, seed=seed, source=source, past=past), writer
     return Localization(params, past, writer, seed=seed, source=source), writer

@@ -8,8 +8,9 @@ from fastapi import APIRouter, Query
 
 from server.browse.journal import journal_entry
 from server.browse.loops import loops
+from server.browse.what_if import loop_what_if
 from server.routes.access import ServicesDep, ViewDep
-from server.schemas import Decision, DecisionResult, Journal, Loops
+from server.schemas import Decision, DecisionResult, Journal, Loops, LoopWhatIf
 
 router = APIRouter(prefix="/api/maps/{map}", tags=["loops"])
 
@@ -20,6 +21,16 @@ def list_loops(
 ) -> Loops:
     """Every loop that is in the graph, was refused, or was decided about."""
     return loops(view.snapshot(), after)
+
+
+@router.get("/what-if/loops")
+def foresee_loops(
+    view: ViewDep,
+    loop_thr: Annotated[float, Query(ge=0, le=1, description="Instead of the value in force.")],
+    graph: Annotated[bool, Query(description="Optimise the graph with these loops as well.")] = False,
+) -> LoopWhatIf:
+    """The loops that would be there with another Rtabmap/LoopThr; nothing is changed."""
+    return loop_what_if(view, loop_thr, with_graph=graph)
 
 
 @router.get("/decisions")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
+from server.browse.landmarks import landmarks
 from server.browse.pictures import preview
 from server.browse.summary import detail, summary
 from server.routes.access import ServicesDep, ViewDep
 from server.routes.pictures import JPEG, picture
-from server.schemas import MapInfo, Maps
+from server.schemas import Landmarks, MapInfo, Maps
 
 router = APIRouter(prefix="/api/maps", tags=["maps"])
 
@@ -23,7 +24,13 @@ def list_maps(services: ServicesDep) -> Maps:
 @router.get("/{map}")
 def get_map(services: ServicesDep, view: ViewDep) -> MapInfo:
     """One map in detail."""
-    return detail(view, live=services.session.live_map == view.file.id, writable=services.is_writable(view.file))
+    return detail(view, live=services.session.live_map == view.file.id, writable=services.is_writable(view))
+
+
+@router.get("/{map}/landmarks")
+def list_landmarks(view: ViewDep) -> Landmarks:
+    """Tags and markers that were seen."""
+    return Landmarks(landmarks=landmarks(view))
 
 
 @router.get("/{map}/preview.jpg", response_class=Response, responses=JPEG)

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Response
 
 from server.browse import nodes
 from server.browse.nodes import NodeOrder
-from server.browse.pictures import coloured_depth, stored_image
+from server.browse.pictures import coloured_depth, stored_image, stored_right
 from server.routes.access import NodeId, ViewDep
 from server.routes.pictures import ANY, PNG, picture
 from server.schemas import NodeDetail, NodeFeatures, NodePage
@@ -22,10 +22,11 @@ def list_nodes(
     offset: Annotated[int, Query(ge=0)] = 0,
     limit: Annotated[int, Query(ge=1, le=500)] = 100,
     order: NodeOrder = "id",
+    dropped: Annotated[bool, Query(description="With merged and dropped nodes, which are no part of the map.")] = False,
     q: Annotated[str, Query(max_length=100, description="Text in id or label.")] = "",
 ) -> NodePage:
     """Some rows of the node table."""
-    return nodes.page(view, offset=offset, limit=limit, order=order, query=q)
+    return nodes.page(view, offset=offset, limit=limit, order=order, query=q, dropped=dropped)
 
 
 @router.get("/{node_id}")
@@ -48,6 +49,12 @@ def get_node_depth(
 ) -> Response:
     """The depth image in colours, transparent where unknown."""
     return picture(coloured_depth(view, node_id, max_m), "image/png")
+
+
+@router.get("/{node_id}/right", response_class=Response, responses=ANY)
+def get_node_right(view: ViewDep, node_id: NodeId) -> Response:
+    """The right image of a stereo pair as it is stored."""
+    return picture(*stored_right(view, node_id))
 
 
 @router.get("/{node_id}/features")

@@ -55,7 +55,7 @@ def view_points(
     below_ceiling = above_camera < _CEILING_M
     if below_ceiling.sum() >= _LEAST_LEFT:
         points, colours = points[below_ceiling], colours[below_ceiling]
-    kept, side = _spread(points, most)
+    kept, side = spread_points(points, most)
     return CloudPoints(points[kept], colours[kept], max(side, distance * step / focal_px))
 
 
@@ -72,7 +72,7 @@ def _without_edges(depth_m: NDArray[np.float32], step: int) -> NDArray[np.float3
     return kept
 
 
-def _spread(points: Points, most: int) -> tuple[NDArray[np.int64], float]:
+def spread_points(points: Points, most: int) -> tuple[NDArray[np.int64], float]:
     """Rows of one point per voxel, with voxels just large enough that at most ``most`` are left, and their side."""
     side = _FINEST_M
     kept = _one_per_voxel(points, side)

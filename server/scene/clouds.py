@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from server.scene.choice import Choice
-from server.scene.cloud_points import CloudPoints, points_of_each, view_points
+from server.scene.cloud_points import CloudPoints, points_of_each
+from server.scene.node_points import node_points
 from server.scene.placed import PlacedGraph
 from slam.database import MapReader
 from slam.errors import SlamError
@@ -36,12 +37,16 @@ class CloudLayer:
         self._handles: dict[int, PointCloudHandle] = {}
         self._samples: dict[int, NDArray[np.float32]] = {}
         self._unusable: set[int] = set()
+        self._with_images: frozenset[int] = frozenset()
         self._visible = True
 
-    def draw(self, graph: PlacedGraph, usable: Iterable[int], *, visible: bool) -> None:
+    def draw(
+        self, graph: PlacedGraph, with_images: Collection[int], with_scans: Collection[int] = (), *, visible: bool
+    ) -> None:
         """Move what is there to where the nodes are now, and choose which clouds are missing."""
         self._visible = visible
-        self._choice.update(graph, usable)
+        self._with_images = frozenset(with_images)
+        self._choice.update(graph, {*with_images, *with_scans})
         self._poses = {node_id: graph.T_map[graph.rows[node_id]] for node_id in self._choice.ids}
         for node_id in self._handles.keys() - set(self._choice.ids):
             self._handles.pop(node_id).remove()
@@ -62,8 +67,7 @@ class CloudLayer:
         for node_id in node_ids:
             T_map_base = self._poses[node_id]
             try:
-                image, depth = reader.image_bgr(node_id), reader.depth_m(node_id)
-                cloud = view_points(image, depth, reader.camera(node_id), T_map_base, most)
+                cloud = node_points(reader, node_id, T_map_base, most, images=node_id in self._with_images)
             except SlamError as error:
                 _LOG.info("no cloud: %s", error)
                 self._unusable.add(node_id)

@@ -14,6 +14,7 @@ from server.scene.floor import FloorLayer, floor_height
 from server.scene.framing import FIELD_OF_VIEW, Framing, frame
 from server.scene.frusta import FrustumLayer
 from server.scene.highlight import Highlight
+from server.scene.landmarks import LandmarkLayer
 from server.scene.links import LinkLayer
 from server.scene.measure import Measure
 from server.scene.newest import NewestLayer
@@ -66,6 +67,7 @@ class Painter:
         self._floor = FloorLayer(scene)
         self._frusta = FrustumLayer(scene)
         self._newest = NewestLayer(scene)
+        self._landmarks = LandmarkLayer(scene)
         self._highlight = Highlight(scene)
         self._framing: Framing | None = None
         self._shown: Picture | None = None
@@ -84,12 +86,13 @@ class Painter:
         before = self._shown
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
         picture = Picture(snapshot, graph, state)
-        usable = _with_images(snapshot) if state.layers.cloud else set()
+        with_images = _with_images(snapshot) if state.layers.cloud else set()
+        with_scans = snapshot.reader.nodes_with("scan").tolist() if state.layers.cloud else []
         grid = snapshot.reader.grid() if state.layers.grid else None
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
-            self._clouds.draw(graph, usable, visible=state.layers.cloud)
+            self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud)
             self._draw_graph(picture)
             self._highlight.draw(snapshot, graph, *_selection(state), picture.measure, picture.look)
             self._floor.draw_grid(grid, picture.look, visible=state.layers.grid)
@@ -123,6 +126,7 @@ class Painter:
         self._links.draw(graph, measure.node, look, visible=layers.graph)
         self._paths.draw(graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth)
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
+        self._landmarks.draw(picture.snapshot.poses, measure.frustum, visible=layers.graph)
         self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph)
 
     def _draw_ground(self, picture: Picture) -> None:

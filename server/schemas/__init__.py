@@ -3,16 +3,32 @@
 from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RunState, Schema, Size
 from server.schemas.decisions import Decision, DecisionAction, DecisionEffect, DecisionResult, Journal, JournalEntry
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
-from server.schemas.links import LinkDetail, LinkMatches, LoopReason, LoopRow, Loops
-from server.schemas.maps import MapFacts, MapInfo, Maps, MapSummary
-from server.schemas.nodes import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
-from server.schemas.parameters import Parameter, ParameterChanges, ParameterSet
+from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRow, Loops
+from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
+from server.schemas.nodes import (
+    CameraModel,
+    CloudFacts,
+    GpsFix,
+    GridFacts,
+    NodeDetail,
+    NodeFeatures,
+    NodeLink,
+    NodePage,
+    NodeRow,
+    NodeSensors,
+    SensorReading,
+    UserData,
+    Vector,
+)
+from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics
+from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
     "CameraModel",
+    "CloudFacts",
     "Colouring",
     "Decision",
     "DecisionAction",
@@ -20,16 +36,22 @@ __all__ = [
     "DecisionResult",
     "ErrorBody",
     "ErrorDetail",
+    "GpsFix",
     "Graph",
+    "GridFacts",
     "Hypothesis",
     "Journal",
     "JournalEntry",
+    "Landmark",
+    "Landmarks",
     "LayerChange",
     "LinkColumns",
     "LinkDetail",
     "LinkMatches",
+    "LoopDoubt",
     "LoopReason",
     "LoopRow",
+    "LoopWhatIf",
     "Loops",
     "MapFacts",
     "MapInfo",
@@ -41,8 +63,10 @@ __all__ = [
     "NodeLink",
     "NodePage",
     "NodeRow",
+    "NodeSensors",
     "Parameter",
     "ParameterChanges",
+    "ParameterChoice",
     "ParameterSet",
     "ParameterValue",
     "PoseList",
@@ -51,10 +75,16 @@ __all__ = [
     "SceneChange",
     "SceneLayers",
     "Schema",
+    "SensorReading",
     "Session",
     "SessionCommand",
+    "SessionFacts",
     "Size",
     "StartRun",
     "StatisticNames",
     "Statistics",
+    "UserData",
+    "Vector",
+    "WhatIfGraph",
+    "WhatIfLoop",
 ]

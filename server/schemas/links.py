@@ -17,6 +17,23 @@ class LoopReason(Schema):
     text: str
 
 
+class LoopDoubt(Schema):
+    """What speaks against a loop, each in sigmas; None where it can't be told."""
+
+    score: float
+    """The largest of the three over what is usual in this map: above 1 the loop is suspect."""
+    residual: float | None
+    """How far the optimised poses are from it."""
+    odometry: float | None
+    """How far odometry alone is from it."""
+    neighbors: float | None
+    """How far the loops near by are from it (median)."""
+    compared: int
+    """Loops near by."""
+    agreeing: int
+    """Those of them that it agrees with."""
+
+
 class LoopRow(Schema):
     """A loop in the review queue."""
 
@@ -31,6 +48,8 @@ class LoopRow(Schema):
     matches: int | None
     residual_sigma: float | None
     """None while the link isn't in the graph."""
+    doubt: LoopDoubt | None
+    """None where there is no transform to judge."""
     translation_m: float | None
     update: int
     """The node whose update looked at it."""
@@ -60,6 +79,9 @@ class LinkDetail(Schema):
     sigma_deg: Axes | None
     residual_sigma: float | None
     chi2: float | None
+    chi2_share: float | None
+    """Of the whole graph's chi2."""
+    doubt: LoopDoubt | None
     posterior: float | None
     inliers: int | None
     matches: int | None

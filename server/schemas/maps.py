@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from server.schemas.base import Schema
+from server.schemas.base import PoseList, Schema
 
 
 class MapFacts(Schema):
@@ -32,6 +32,17 @@ class MapFacts(Schema):
     last_stamp: float | None
 
 
+class SessionFacts(Schema):
+    """A session of a map."""
+
+    map_id: int
+    nodes: int
+    source: str
+    clean: bool
+    joined_with: list[int]
+    """Sessions that links join with this one."""
+
+
 class MapInfo(MapFacts):
     """A map of the catalogue in detail."""
 
@@ -44,6 +55,28 @@ class MapInfo(MapFacts):
     has_truth: bool
     ate_m: float | None
     """Absolute trajectory error against ground truth, SE(3)-aligned over all frames."""
+    notes: list[str]
+    """What is missing in the file and what was made up for, in sentences."""
+    session_list: list[SessionFacts]
+
+
+class Landmark(Schema):
+    """A tag or marker that nodes saw."""
+
+    id: int
+    """Its number, positive; links to it have the negative one."""
+    pose: PoseList | None
+    """In the map frame; None where no pose of it is known."""
+    length_m: float | None
+    """Of the marker's side, where it is stored."""
+    seen_from: list[int]
+    """Ids of the nodes that saw it."""
+
+
+class Landmarks(Schema):
+    """All landmarks of a map."""
+
+    landmarks: list[Landmark]
 
 
 class MapSummary(Schema):

@@ -32,6 +32,9 @@ class NodePage(Schema):
 class CameraModel(Schema):
     """A rectified pinhole camera, in pixels."""
 
+    baseline_m: float | None = None
+    """Of a stereo pair, whose left camera this is."""
+
     width: int
     height: int
     fx: float
@@ -49,6 +52,77 @@ class NodeLink(Schema):
     translation_m: float | None
 
 
+class GpsFix(Schema):
+    """A position on the earth; degrees, metres, seconds."""
+
+    stamp: float
+    longitude: float
+    latitude: float
+    altitude: float
+    error: float
+    bearing: float
+    """Clockwise from north."""
+
+
+class SensorReading(Schema):
+    """What an environmental sensor measured."""
+
+    name: str
+    unit: str
+    value: float
+    stamp: float
+
+
+class Vector(Schema):
+    """A descriptor of the whole image."""
+
+    type: int
+    size: int
+
+
+class UserData(Schema):
+    """What a program attached to a node."""
+
+    rows: int
+    columns: int
+    type: str
+    text: str | None
+    """Where it is text."""
+
+
+class CloudFacts(Schema):
+    """The stored scan of a node."""
+
+    points: int
+    normals: bool
+    range_m: float
+    """Distance of the farthest point from the base."""
+
+
+class GridFacts(Schema):
+    """Cells of a node's local grid."""
+
+    ground: int
+    obstacles: int
+    empty: int
+    cell_size_m: float
+
+
+class NodeSensors(Schema):
+    """What a node has besides images."""
+
+    velocity: list[float] | None
+    """x y z in metres a second, roll pitch yaw in radians a second."""
+    gps: GpsFix | None
+    readings: list[SensorReading]
+    vectors: list[Vector]
+    user_data: UserData | None
+    scan: CloudFacts | None
+    grid: GridFacts | None
+    problems: list[str]
+    """What is stored and can't be read, with the reason."""
+
+
 class NodeDetail(NodeRow):
     """One node in full."""
 
@@ -57,11 +131,16 @@ class NodeDetail(NodeRow):
     truth: PoseList | None
     """Ground truth, laid over the path of the map."""
     camera: CameraModel | None
+    cameras: list[CameraModel]
+    """All cameras, in the order of the tiles of the image; the first is ``camera``."""
+    sensors: NodeSensors
     features: int
     links: list[NodeLink]
     statistics: dict[str, float]
     has_image: bool
     has_depth: bool
+    has_right: bool
+    """Whether the right image of a stereo pair is stored, in place of depth."""
     decisions: list[JournalEntry]
 
 

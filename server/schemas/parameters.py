@@ -8,6 +8,13 @@ from server.schemas.base import ParameterValue, Schema
 from slam.params import Effect
 
 
+class ParameterChoice(Schema):
+    """A value that a parameter may have, where only a few are right."""
+
+    value: int | str
+    label: str
+
+
 class Parameter(Schema):
     """A registered parameter with its value in this map."""
 
@@ -19,6 +26,8 @@ class Parameter(Schema):
     unit: str
     minimum: float | None
     maximum: float | None
+    choices: list[ParameterChoice]
+    """All values, where only a few are right; empty otherwise."""
     meaning: str
     effect: Effect
     front: bool

@@ -2,7 +2,7 @@
 
 from slam.database.deck_values import CandidateRow, LoopState, ParameterChange, UpdateRow
 from slam.database.reader import MapReader
-from slam.database.records import JournalEntry, NodeRecord, WordRows
+from slam.database.records import JournalEntry, NodeRecord, Reduction, WordRows
 from slam.database.removal import remove_map
 from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
 from slam.database.writer import MapWriter
@@ -18,6 +18,7 @@ __all__ = [
     "NodeRow",
     "NodeTable",
     "ParameterChange",
+    "Reduction",
     "SessionRow",
     "StatisticsTable",
     "UpdateRow",

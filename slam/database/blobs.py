@@ -19,7 +19,8 @@ _DTYPES = tuple(np.dtype(code) for code in ("u1", "i1", "<u2", "<i2", "<i4", "<f
 _TRAILER = 12
 #: Bytes from which a matrix is taken for a damaged one: RTAB-Map's largest, an assembled cloud, stays far below.
 MAX_BYTES = 1 << 29
-_NOTHING = 4
+#: Blobs of that many bytes or fewer count as absent: old writers stored four zero bytes for nothing.
+NOTHING = 4
 
 
 def pack_matrix(matrix: NDArray[np.generic], *, level: int = -1) -> bytes | None:
@@ -39,7 +40,7 @@ def unpack_matrix(blob: bytes | None) -> NDArray[np.generic] | None:
     Raises:
         DatabaseError: the blob is damaged, or claims a size that no map has.
     """
-    if blob is None or len(blob) <= _NOTHING:
+    if blob is None or len(blob) <= NOTHING:
         return None
     if len(blob) <= _TRAILER:
         raise DatabaseError(f"matrix blob of {len(blob)} bytes is too short: a stream and three integers were expected")

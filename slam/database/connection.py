@@ -6,7 +6,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import TypeVar
 from urllib.parse import quote
@@ -68,14 +68,13 @@ def open_for_writing(path: Path, check: Callable[[Connection], None]) -> Connect
 
 
 def _begin_writing(engine: Engine, check: Callable[[Connection], None]) -> Connection:
-    connection = engine.connect()
-    try:
+    with ExitStack() as undo:
+        connection = engine.connect()
+        undo.callback(connection.close)
         with connection.begin():
             check(connection)
         _begin_log(_driver(connection))
-    except BaseException:
-        connection.close()
-        raise
+        undo.pop_all()
     return connection
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from sqlalchemy import Column, Connection, func, insert, select
 
 from slam.camera import Camera
-from slam.database.blobs import pack_row, unpack_matrix
-from slam.database.calibration import pack_camera, unpack_cameras
+from slam.database.blobs import NOTHING, pack_row, unpack_matrix
+from slam.database.calibration import pack_camera, unpack_cameras, unpack_rig
+from slam.database.image_size import claimed_size
 from slam.database.images import encode_color, encode_depth
 from slam.database.records import NodeRecord
 from slam.database.scans import pack_scan, unpack_scan
@@ -24,7 +25,6 @@ from slam.types import LocalGrid, Scan
 
 _GRID = (data.c.ground_cells, data.c.obstacle_cells, data.c.empty_cells)
 _VIEW = (data.c.view_point_x, data.c.view_point_y, data.c.view_point_z)
-_NOTHING = 4
 _EMPTY: Mapping[str, object] = MappingProxyType({})
 
 
@@ -94,7 +94,15 @@ def read_depth(connection: Connection, node_id: int) -> bytes:
 
 def read_cameras(connection: Connection, node_id: int) -> tuple[Camera, ...]:
     """The cameras of a node; DatabaseError when the node has none."""
-    return unpack_cameras(_present(_blob(connection, node_id, data.c.calibration), node_id, "calibration"))
+    cameras = unpack_cameras(_present(_blob(connection, node_id, data.c.calibration), node_id, "calibration"))
+    return _sized(connection, node_id, cameras)
+
+
+def read_baselines(connection: Connection, node_id: int) -> tuple[float, ...]:
+    """Baseline in metres of each stereo pair of a node; none for one whose depth was measured, or without a camera."""
+    blob = _blob(connection, node_id, data.c.calibration)
+    rig = unpack_rig(blob) if blob is not None and len(blob) > NOTHING else ()
+    return tuple(baseline for _, baseline in rig if baseline is not None)
 
 
 def read_scan(connection: Connection, node_id: int) -> Scan | None:
@@ -105,12 +113,12 @@ def read_scan(connection: Connection, node_id: int) -> Scan | None:
 
 def read_first_cameras(connection: Connection) -> dict[int, Camera]:
     """Node id -> its first camera, of all nodes that have one; equal ones are one object."""
-    query = select(data.c.id, data.c.calibration).where(func.length(data.c.calibration) > _NOTHING)
+    query = select(data.c.id, data.c.calibration).where(func.length(data.c.calibration) > NOTHING)
     made: dict[bytes, Camera] = {}
     found = {}
     for node_id, blob in connection.execute(query.order_by(data.c.id)):
         if blob not in made:
-            made[blob] = unpack_cameras(blob)[0]
+            made[blob] = _sized(connection, node_id, unpack_cameras(blob))[0]
         found[node_id] = made[blob]
     return found
 
@@ -127,7 +135,7 @@ def read_local_grid(connection: Connection, node_id: int) -> LocalGrid | None:
 
 def read_ids_with(connection: Connection, column: Column[bytes]) -> NDArray[np.int32]:
     """Ascending ids of the nodes whose ``column`` holds something."""
-    query = select(data.c.id).where(column.is_not(None)).order_by(data.c.id)
+    query = select(data.c.id).where(func.length(column) > NOTHING).order_by(data.c.id)
     return np.array(connection.scalars(query).all(), dtype=np.int32)
 
 
@@ -135,8 +143,22 @@ def _blob(connection: Connection, node_id: int, column: Column[bytes]) -> bytes 
     return connection.scalar(select(column).where(data.c.id == node_id))
 
 
+def _sized(connection: Connection, node_id: int, cameras: tuple[Camera, ...]) -> tuple[Camera, ...]:
+    """The cameras with the size of their tile of the image, where the file is so old that it does not say."""
+    if all(camera.width and camera.height for camera in cameras):
+        return cameras
+    width, height = claimed_size(_blob(connection, node_id, data.c.image) or b"")
+    return tuple(_of_size(camera, width // len(cameras), height) for camera in cameras)
+
+
+def _of_size(camera: Camera, width: int, height: int) -> Camera:
+    # Until 0.7.0 only the focal length was stored: the centre is that of the image.
+    centre = (camera.cx, camera.cy) if camera.cx or camera.cy else (width / 2 - 0.5, height / 2 - 0.5)
+    return replace(camera, width=width, height=height, cx=centre[0], cy=centre[1])
+
+
 def _present(blob: bytes | None, node_id: int, what: str) -> bytes:
-    if blob is None or len(blob) <= _NOTHING:
+    if blob is None or len(blob) <= NOTHING:
         raise DatabaseError(f"node {node_id} has no {what}")
     return blob
 

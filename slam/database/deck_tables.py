@@ -93,6 +93,7 @@ frame = Table(
     Column("odometry_ms", Float, nullable=False),
     Column("lost", Text, nullable=False),
 )
+Index("deck_frame_node", frame.c.node_id)
 
 journal = Table(
     "deck_journal",

@@ -12,8 +12,10 @@ from slam.errors import DatabaseError
 
 #: The version that new files have: the oldest that carries all that slamdeck writes.
 WRITTEN_VERSION = "0.20.0"
-#: First and last minor version of the schemas that can be read.
-OLDEST, NEWEST = (0, 18), (0, 23)
+#: Major, minor and patch level.
+Version = tuple[int, int, int]
+#: First and last minor version of the schemas that can be read, and the first that can be written.
+OLDEST, NEWEST, OLDEST_WRITTEN = (0, 5), (0, 23), (0, 18)
 _HOW = "a map file of RTAB-Map or slamdeck is needed"
 
 
@@ -35,20 +37,37 @@ def check_file(path: Path) -> None:
         raise DatabaseError(f"{path} is empty: {_HOW}")
 
 
-def check_version(version: str) -> None:
-    """Refuse versions whose columns are not known.
+def check_version(version: str) -> Version:
+    """The three numbers of a version that can be read.
 
     Raises:
         DatabaseError: the version is too new, too old, or none.
     """
     parts = version.split(".")
-    if len(parts) < 2 or not all(part.isdecimal() for part in parts[:2]):
+    if len(parts) < 2 or not all(part.isdecimal() for part in parts[:3]):
         raise DatabaseError(f"it has no version of RTAB-Map ({version!r} in its table Admin): {_HOW}")
-    minor = (int(parts[0]), int(parts[1]))
+    major, minor, patch = (int(part) for part in (*parts, "0")[:3])
     readable = f"versions {OLDEST[0]}.{OLDEST[1]} to {NEWEST[0]}.{NEWEST[1]} can be read"
-    if minor > NEWEST:
+    if (major, minor) > NEWEST:
         raise DatabaseError(f"it was written by RTAB-Map {version}, which is too new: {readable}")
-    if minor < OLDEST:
+    if (major, minor) < OLDEST:
+        raise DatabaseError(f"it was written by RTAB-Map {version}, which is too old: {readable}")
+    return major, minor, patch
+
+
+def check_writable_version(version: str) -> None:
+    """Refuse versions whose tables can be read, but not written.
+
+    Raises:
+        DatabaseError: the version is too new, too old, or none.
+    """
+    if not is_writable(check_version(version)):
         raise DatabaseError(
-            f"it was written by RTAB-Map {version}, which is too old: {readable}; update it with rtabmap-reprocess"
+            f"it was written by RTAB-Map {version}: files before {OLDEST_WRITTEN[0]}.{OLDEST_WRITTEN[1]} can be read, "
+            "but not changed; make a new map of it"
         )
+
+
+def is_writable(version: Version) -> bool:
+    """Whether the tables of a version are those that slamdeck writes."""
+    return version[:2] >= OLDEST_WRITTEN

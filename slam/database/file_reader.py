@@ -11,6 +11,7 @@ from sqlalchemy import Connection
 from slam.database.admin_rows import read_version
 from slam.database.connection import reading, reading_engine
 from slam.database.file_check import check_file, check_version
+from slam.database.old_schema import present, views
 from slam.database.refusal import refusing
 from slam.database.schema import has_deck_tables
 from slam.errors import DatabaseError
@@ -21,19 +22,23 @@ class FileReader:
 
     Attributes:
         path: the file.
+        version: of its schema; what is read is presented as that of 0.20.0.
     """
 
     def __init__(self, path: Path) -> None:
         check_file(path)
         self.path = path
         self._engine = reading_engine(path)
+        self._views: tuple[str, ...] = ()
         with self._reading("opening") as connection:
-            check_version(read_version(connection))
+            self.version = check_version(read_version(connection))
+            self._views = views(connection, self.version)
 
     @contextmanager
     def _reading(self, doing: str) -> Iterator[Connection]:
         check_file(self.path)
         with refusing(self.path, doing), _making_sense(), reading(self._engine) as connection:
+            present(connection, self._views)
             yield connection
 
     @contextmanager

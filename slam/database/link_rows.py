@@ -66,6 +66,13 @@ def read_links(connection: Connection) -> list[Link]:
     return [_link(*found[key]) for key in sorted(found)]
 
 
+def count_one_way(connection: Connection) -> int:
+    """Number of neighbour links that lack the reverse."""
+    rows = connection.execute(select(link.c.from_id, link.c.to_id).where(link.c.type == int(LinkType.NEIGHBOR)))
+    pairs = {(row.from_id, row.to_id) for row in rows}
+    return sum((b, a) not in pairs for a, b in pairs)
+
+
 def _check(item: Link) -> None:
     name = f"link {item.from_id}-{item.to_id} ({item.type.label})"
     if item.type == LinkType.VIRTUAL_CLOSURE:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from filelock import FileLock, Timeout
@@ -15,12 +15,11 @@ from slam.errors import DatabaseError, MapBusyError
 @contextmanager
 def locked(map_path: Path) -> Iterator[MapLock]:
     """The lock of a map file for as long as its holder likes; it is freed here only when what follows fails."""
-    lock = MapLock(map_path)
-    try:
+    with ExitStack() as undo:
+        lock = MapLock(map_path)
+        undo.callback(lock.release)
         yield lock
-    except BaseException:
-        lock.release()
-        raise
+        undo.pop_all()
 
 
 class MapLock:

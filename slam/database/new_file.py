@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 from sqlalchemy import NullPool, create_engine
@@ -25,12 +25,11 @@ def create_file(path: Path) -> None:
     with refusing(path, "creating the map"):
         # A log left over from a deleted file of this name would be taken for the new file's own.
         _remove(unfinished, *(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")))
-        try:
+        with ExitStack() as undo:
+            undo.callback(_remove, unfinished)
             _fill(unfinished)
             unfinished.rename(path)
-        except BaseException:
-            _remove(unfinished)
-            raise
+            undo.pop_all()
 
 
 def _remove(*paths: Path) -> None:

@@ -17,6 +17,7 @@ from slam.database.link_rows import insert_link, merged_marker, remove_link
 from slam.database.node_rows import first_label, insert_node, read_node_ids, update_weights
 from slam.database.pose_rows import add_poses
 from slam.database.records import NodeRecord
+from slam.database.reduction_rows import write_reduction
 from slam.database.statistics_rows import insert_statistics
 from slam.database.time_enter import keep_in_memory, now_text
 from slam.database.update_rows import insert_update
@@ -66,7 +67,7 @@ class KnownIds:
             raise DatabaseError(
                 f"words of older nodes can't become {min(unknown)} with node {node_id}: it is not in the dictionary"
             )
-        for link in record.links:
+        for link in (*record.links, *(new for reduction in record.reductions for new in reduction.links)):
             self.check_link(link, node_id)
 
     def check_link(self, link: Link, new_id: int = 0) -> None:
@@ -96,6 +97,8 @@ def insert_record(connection: Connection, record: NodeRecord, encoded: EncodedDa
     if early:
         keep_in_memory(connection, memory_stamp, [node_id], record.words.ids.tolist())
     _write_links(connection, record)
+    for reduction in record.reductions:
+        write_reduction(connection, reduction)
     update_weights(connection, record.weights)
     insert_statistics(connection, node_id, node.stamp, record.statistics, record.wm_ids)
     insert_update(connection, node_id, record.update)

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
-from sqlalchemy import Connection, func, insert, select, update
+from sqlalchemy import Connection, case, func, insert, select, update
 
-from slam.database.blobs import pack_transform, stack_transforms, unpack_transform
+from slam.database.blobs import NOTHING, pack_transform, stack_transforms, unpack_transform
 from slam.database.rows import NodeRow, NodeTable
 from slam.database.tables import data, feature, node
 from slam.errors import DatabaseError
@@ -103,7 +103,8 @@ def read_node(connection: Connection, node_id: int) -> NodeRow:
     Raises:
         DatabaseError: it is not in the map.
     """
-    sizes = [func.coalesce(func.length(c), 0) for c in (data.c.image, data.c.depth)]
+    lengths = (func.coalesce(func.length(c), 0) for c in (data.c.image, data.c.depth))
+    sizes = [case((length > NOTHING, length), else_=0) for length in lengths]
     grid = func.coalesce(data.c.cell_size, 0.0) > 0
     query = select(node, *sizes, grid).outerjoin(data, data.c.id == node.c.id).where(node.c.id == node_id)
     row = connection.execute(query).first()

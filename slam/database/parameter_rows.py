@@ -10,12 +10,13 @@ from slam.database.deck_tables import parameter_change
 from slam.database.deck_values import ParameterChange
 from slam.database.parameter_text import parse_parameters
 from slam.database.tables import info
+from slam.params.old_names import todays
 
 
 def read_parameters(connection: Connection) -> dict[str, str]:
-    """Text by name of the newest session's parameters; empty when no session was saved."""
+    """Text by today's name of the newest session's parameters; empty when no session was saved."""
     newest = select(info.c.parameters).order_by(info.c.time_enter.desc(), info.c.STM_size.desc()).limit(1)
-    return parse_parameters(connection.scalar(newest))
+    return todays(parse_parameters(connection.scalar(newest)))
 
 
 def insert_parameter_change(connection: Connection, node_id: int, name: str, value: str) -> None:

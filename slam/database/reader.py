@@ -11,17 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
-from slam.database import admin_rows, data_rows, node_rows, pose_rows, statistics_rows
+from slam.database import admin_rows, data_rows, mesh_rows, node_rows, pose_rows, sensor_rows, statistics_rows
 from slam.database.deck_reader import DeckReader
 from slam.database.feature_rows import read_features
 from slam.database.flaws import Flaws, read_flaws
 from slam.database.images import decode_color, decode_depth
 from slam.database.info import read_info
-from slam.database.link_rows import read_links
+from slam.database.link_rows import count_one_way, read_links
+from slam.database.mesh_rows import Cloud, Mesh
 from slam.database.parameter_rows import read_parameters
 from slam.database.records import WordRows
 from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
 from slam.database.schema import has_deck_tables
+from slam.database.sensor_values import Gps, NodeSensors
 from slam.database.session_rows import read_sessions
 from slam.database.stored_rows import read_stored_columns
 from slam.database.tables import data
@@ -31,11 +33,11 @@ from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.types import Features, Link, LocalGrid, OccupancyGrid, Scan
 
-_KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration}
+_KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration, "scan": data.c.scan}
 
 
 class MapReader(DeckReader):
-    """Reads a map file of slamdeck or of RTAB-Map 0.18 to 0.23.
+    """Reads a map file of slamdeck or of RTAB-Map 0.5 to 0.23 (of before 0.18 to look at only).
 
     Each call opens and closes its own connection: calls may come from any thread, each sees the last commit of a writer
     that is at work, and the file is not changed. What slamdeck alone records (updates, candidates,
@@ -56,7 +58,7 @@ class MapReader(DeckReader):
         with self._reading("reading the nodes") as connection:
             return np.array(sorted(node_rows.read_node_ids(connection)), dtype=np.int32)
 
-    def nodes_with(self, kind: Literal["image", "depth", "calibration"]) -> NDArray[np.int32]:
+    def nodes_with(self, kind: Literal["image", "depth", "calibration", "scan"]) -> NDArray[np.int32]:
         """Ascending ids of the nodes that have data of a kind."""
         with self._reading("reading the nodes") as connection:
             return data_rows.read_ids_with(connection, _KINDS[kind])
@@ -121,6 +123,52 @@ class MapReader(DeckReader):
         """All cameras of a node; the image has one tile for each, left to right."""
         with self._reading(f"reading the calibration of node {node_id}") as connection:
             return data_rows.read_cameras(connection, node_id)
+
+    def baselines(self, node_id: int) -> tuple[float, ...]:
+        """Baseline in metres of each stereo pair of a node, whose right images are where depth is of others."""
+        with self._reading(f"reading the calibration of node {node_id}") as connection, _about(self.path, node_id):
+            return data_rows.read_baselines(connection, node_id)
+
+    def right_bgr(self, node_id: int) -> NDArray[np.uint8]:
+        """The right image (H, W, 3) of a node of a stereo camera; of several, one tile for each."""
+        blob = self.depth(node_id)
+        with _about(self.path, node_id):
+            return decode_color(blob)
+
+    def sensors(self, node_id: int) -> NodeSensors:
+        """Velocity, GPS, environmental sensors, global descriptors and user data of a node."""
+        with self._reading(f"reading the sensors of node {node_id}") as connection, _about(self.path, node_id):
+            return sensor_rows.read_sensors(connection, node_id)
+
+    def gps(self) -> dict[int, Gps]:
+        """Where on the earth the nodes were, by id, of those that know."""
+        with self._reading("reading the positions of GPS") as connection:
+            return sensor_rows.read_gps(connection)
+
+    def marker_lengths(self) -> dict[int, float]:
+        """Landmark id (negative) -> length of the marker's side in metres, where it is stored."""
+        with self._reading("reading the landmarks") as connection:
+            return sensor_rows.read_marker_lengths(connection)
+
+    def one_way_links(self) -> int:
+        """Number of neighbour links without a reverse, which files have that were never closed."""
+        with self._reading("reading the links") as connection:
+            return count_one_way(connection)
+
+    def cloud(self) -> Cloud | None:
+        """The cloud that was assembled of the whole map; None when none is stored."""
+        with self._reading("reading the cloud of the map") as connection:
+            return mesh_rows.read_cloud(connection)
+
+    def mesh(self) -> Mesh | None:
+        """The mesh of the whole map; None when none is stored."""
+        with self._reading("reading the mesh") as connection:
+            return mesh_rows.read_mesh(connection)
+
+    def preview(self) -> bytes | None:
+        """The stored picture of the map (JPEG or PNG); None when there is none."""
+        with self._reading("reading the picture of the map") as connection:
+            return mesh_rows.read_preview(connection)
 
     def first_cameras(self) -> dict[int, Camera]:
         """The first camera of each node that has one."""

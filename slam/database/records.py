@@ -29,6 +29,23 @@ class WordRows:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Reduction:
+    """A node that became part of an older one, and is no node of the map any more.
+
+    Attributes:
+        node_id: the node.
+        into: the older one.
+        T_into_node: (4, 4) where it was seen from there.
+        links: those that the older node got for it.
+    """
+
+    node_id: int
+    into: int
+    T_into_node: Pose
+    links: tuple[Link, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class NodeRecord:
     """One node and all that its update changed; written in one transaction.
 
@@ -47,6 +64,7 @@ class NodeRecord:
         update: what the update did: hypotheses, candidates, tiers.
         frames: the frames tracked since the last node.
         poses: the optimised poses T_map_base that changed, by node id.
+        reductions: older nodes that became part of others, in this order.
         merged_into: the node that this one was merged into by rehearsal.
         grid_map: the global grid, where it was made anew; None leaves the stored one.
         stored: what the node takes over from the file that is replayed.
@@ -66,6 +84,7 @@ class NodeRecord:
     weights: Mapping[int, int] = field(default_factory=dict)
     frames: tuple[TrackedFrame, ...] = ()
     poses: Mapping[int, Pose] = field(default_factory=dict)
+    reductions: tuple[Reduction, ...] = ()
     merged_into: int | None = None
     grid_map: OccupancyGrid | None = None
     stored: Stored | None = None

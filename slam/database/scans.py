@@ -31,10 +31,15 @@ def pack_scan(scan: Scan) -> tuple[bytes | None, bytes]:
     columns, kind = [scan.points_base], _XYZ
     if scan.normals_base is not None:
         columns, kind = [scan.points_base, scan.normals_base], _XYZ_NORMAL
+    return pack_row(np.hstack(columns).astype(np.float32)), pack_scan_info(kind, len(scan), np.eye(4))
+
+
+def pack_scan_info(kind: int, points: int, T_base_scan: NDArray[np.float64], *, range_max: float = 0.0) -> bytes:
+    """The column ``scan_info``: format, range in metres, most points, and where the scanner is."""
     info = np.zeros(_INFO, np.float32)
-    info[0], info[6] = kind, len(scan)
-    info[_LOCAL_TRANSFORM:] = np.eye(4)[:3].reshape(-1)
-    return pack_row(np.hstack(columns).astype(np.float32)), info.astype("<f4").tobytes()
+    info[0], info[2], info[6] = kind, range_max, points
+    info[_LOCAL_TRANSFORM:] = T_base_scan[:3].reshape(-1)
+    return info.astype("<f4").tobytes()
 
 
 def unpack_scan(blob: bytes | None, info_blob: bytes | None) -> Scan | None:

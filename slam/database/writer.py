@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -14,7 +14,7 @@ from slam.database import admin_rows, node_record, pose_rows, session_rows, time
 from slam.database.connection import close_plainly, open_for_writing
 from slam.database.data_rows import EncodedData
 from slam.database.decision import write_decision
-from slam.database.file_check import check_file, check_version
+from slam.database.file_check import check_file, check_writable_version
 from slam.database.frame_rows import insert_frames
 from slam.database.link_rows import insert_link
 from slam.database.lock import MapLock, locked
@@ -48,11 +48,10 @@ class MapWriter:
         self._memory_stamp = ""
         with refusing(path, "opening for writing"):
             self._connection = open_for_writing(path, _check_version)
-            try:
+            with ExitStack() as undo:
+                undo.callback(self._connection.close)
                 self._known = _prepare(self._connection)
-            except BaseException:
-                self._connection.close()
-                raise
+                undo.pop_all()
 
     @classmethod
     def create(cls, path: Path, params: Params, *, seed: int, source: str) -> MapWriter:
@@ -225,7 +224,7 @@ class MapWriter:
 
 
 def _check_version(connection: Connection) -> None:
-    check_version(admin_rows.read_version(connection))
+    check_writable_version(admin_rows.read_version(connection))
 
 
 def _prepare(connection: Connection) -> KnownIds:

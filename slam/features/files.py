@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from slam.features.dictionary_file import open_dictionary
+from slam.features.light_glue import check_light_glue
 from slam.features.networks import make_aliked, make_disk
 from slam.params import Params
 
@@ -18,4 +19,5 @@ def check_files(params: Params) -> None:
     for number in (params.Vis.FeatureType, params.Kp.DetectorStrategy):
         if number in _NETWORKS:
             _NETWORKS[number](0, params)
+    check_light_glue(params)
     open_dictionary(params, seed=0)

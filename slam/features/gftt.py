@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from slam.features import corners
 from slam.features.key_points import KeyPoints
+from slam.features.min_eigenvalue import min_eigenvalue
 from slam.features.region import Region, Wanted
 from slam.params import Params
 
@@ -23,10 +24,11 @@ class Gftt:
 
     def __init__(self, size: float | None = None) -> None:
         self._size = size
+        self._strength: NDArray[np.float32] | None = None
 
     def detect(self, gray: NDArray[np.uint8], wanted: Wanted, limit: int, params: Params) -> KeyPoints:
         """Up to ``limit`` corners, strongest first."""
-        strength = _strength(gray, params)
+        strength = self._strength_of(gray, params)
         region = Region.of(gray.shape, wanted)
         border = params.ORB.EdgeThreshold + 1
         if region == Region(0, 0, gray.shape[1], gray.shape[0], 1, 1):
@@ -40,13 +42,12 @@ class Gftt:
         size = params.ORB.PatchSize if self._size is None else self._size
         return KeyPoints.upright(corners.refine(strength, pixels[rows]), found[rows], size)
 
-
-def _strength(gray: NDArray[np.uint8], params: Params) -> NDArray[np.float32]:
-    if params.GFTT.UseHarrisDetector:
-        measure = cv2.cornerHarris(gray, params.GFTT.BlockSize, _HARRIS_APERTURE, params.GFTT.K)
-    else:
-        measure = cv2.cornerMinEigenVal(gray, params.GFTT.BlockSize)
-    return np.asarray(measure, np.float32)
+    def _strength_of(self, gray: NDArray[np.uint8], params: Params) -> NDArray[np.float32]:
+        if params.GFTT.UseHarrisDetector:
+            measure = cv2.cornerHarris(gray, params.GFTT.BlockSize, _HARRIS_APERTURE, params.GFTT.K)
+            return np.asarray(measure, np.float32)
+        self._strength = min_eigenvalue(gray, params.GFTT.BlockSize, self._strength)
+        return self._strength
 
 
 def _by_cell(

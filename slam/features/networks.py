@@ -38,18 +38,23 @@ class Network:
 def make_aliked(_count: int, params: Params) -> Any:
     """ALIKED (Zhao 2023); the network's file says how many key points it gives."""
     opencv: Any = cv2
-    return _read("ALIKED", params.ALIKED.ModelPath, lambda path: opencv.ALIKED.create(path))
+    return read_network("ALIKED", params.ALIKED.ModelPath, lambda path: opencv.ALIKED.create(path))
 
 
 def make_disk(count: int, params: Params) -> Any:
     """DISK (Tyszkiewicz 2020)."""
     opencv: Any = cv2
-    return _read("DISK", params.DISK.ModelPath, lambda path: opencv.DISK.create(path, maxKeypoints=count or -1))
+    return read_network("DISK", params.DISK.ModelPath, lambda path: opencv.DISK.create(path, maxKeypoints=count or -1))
 
 
-def _read(name: str, path: str, create: Callable[[str], Any]) -> Any:
+def read_network(name: str, path: str, create: Callable[[str], Any]) -> Any:
+    """What ``create`` makes of the file that the parameter ``name``/ModelPath names.
+
+    Raises:
+        ParameterError: it names none, or OpenCV can't read it.
+    """
     if not path:
-        raise ParameterError(f"{name} features need {name}/ModelPath: the ONNX file of the network")
+        raise ParameterError(f"{name} needs {name}/ModelPath: the ONNX file of the network")
     try:
         return create(path)
     except cv2.error as error:

@@ -181,6 +181,22 @@ class PoseGraph:
                     queue.append((other, distance + cost))
         return found
 
+    def way(self, from_id: int, to_id: int) -> list[int]:
+        """Ids on a way of fewest links from one node to another, both included; empty where none leads there."""
+        self.neighbors(from_id)
+        before, queue = {to_id: to_id}, deque([to_id] if to_id in self._adjacent else [])
+        while queue and from_id not in before:
+            at = queue.popleft()
+            new = [other for other in self._adjacent[at] if other not in before]
+            before |= dict.fromkeys(new, at)
+            queue.extend(new)
+        if from_id not in before or to_id not in self._adjacent:
+            return []
+        way = [from_id]
+        while way[-1] != to_id:
+            way.append(before[way[-1]])
+        return way
+
     def component(self, node_id: int) -> set[int]:
         """Ids of all nodes that links join with this one, itself included."""
         self.neighbors(node_id)

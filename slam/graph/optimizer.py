@@ -37,7 +37,7 @@ class Optimized:
         root: id held where it was, as far as neither priors nor gravity say otherwise.
         dropped: ids that nothing joins with the root.
         clamped: number of links whose information had eigenvalues out of bounds.
-        fallback: whether LM took no step and only Ceres' parameters for it found the way.
+        fallback: whether the solver asked for took no step, or only led uphill, and another found the way.
         landmarks: negative id -> (4, 4) ``T_map_landmark``.
         outliers: pairs of the loops that a robust kernel took the weight from.
     """

@@ -34,7 +34,8 @@ class Solution:
         before: cost at the start.
         after: cost at the end.
         iterations: taken.
-        fallback: whether the first try took no step.
+        fallback: whether the first try took no step, or went uphill, and another solver found the way.
+        uphill: whether it ended before a step that only led up.
     """
 
     values: gtsam.Values
@@ -42,6 +43,7 @@ class Solution:
     after: float
     iterations: int
     fallback: bool = False
+    uphill: bool = False
 
 
 class Solver(Protocol):
@@ -70,7 +72,7 @@ class LevenbergMarquardt:
 
 
 class GaussNewton:
-    """Full steps; where one goes uphill it ends before it."""
+    """Full steps; before one that goes uphill Levenberg-Marquardt takes over."""
 
     def solve(self, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
         """By ``Optimizer/Iterations`` and ``Optimizer/Epsilon``."""
@@ -78,7 +80,7 @@ class GaussNewton:
 
 
 class Dogleg:
-    """Steps within a trust region."""
+    """Steps within a trust region; where none leads down Levenberg-Marquardt takes over."""
 
     def solve(self, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
         """By ``Optimizer/Iterations`` and ``Optimizer/Epsilon``."""
@@ -167,11 +169,12 @@ def unsolvable(factors: Factors, error: RuntimeError) -> OptimizationError:
 
 
 def _checked(solver: gtsam.NonlinearOptimizer, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
-    """For solvers that may go uphill: the best values on the way, which must be better than the start."""
+    """For solvers that may go uphill, which happens far from the minimum, as after a false loop was taken out."""
     found = _descend(solver, factors, params)
-    if went_down(factors.graph(), start, found):
+    if not found.uphill and went_down(factors.graph(), start, found):
         return found
-    raise no_way_down(factors, found, "GTSAM/Optimizer=0 (Levenberg-Marquardt) never goes uphill")
+    rest = LevenbergMarquardt().solve(factors, found.values, params)
+    return replace(rest, before=found.before, iterations=found.iterations + rest.iterations, fallback=True)
 
 
 def _descend(solver: gtsam.NonlinearOptimizer, factors: Factors, params: Params) -> Solution:
@@ -190,7 +193,8 @@ def _descend(solver: gtsam.NonlinearOptimizer, factors: Factors, params: Params)
                 break
     except RuntimeError as failure:
         raise unsolvable(factors, failure) from failure
-    return Solution(values, 2.0 * before, 2.0 * error, int(solver.iterations()))
+    uphill = decrease < -max(params.Optimizer.Epsilon * error, _ROUNDING)
+    return Solution(values, 2.0 * before, 2.0 * error, int(solver.iterations()), uphill=bool(uphill))
 
 
 def _is_last(solver: gtsam.NonlinearOptimizer, last: float, decrease: float, least: float) -> bool:

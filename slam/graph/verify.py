@@ -72,12 +72,14 @@ class Closure:
         optimized: the optimisation with them; its poses are the graph's when accepted.
         worst: the links that contradict those poses most.
         refusal: why they were taken back, None when accepted.
+        blamed: the link that spoke against them, None when accepted.
     """
 
     accepted: bool
     optimized: Optimized
     worst: WorstLink
     refusal: Refusal | None = None
+    blamed: Link | None = None
 
 
 def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose], *, planar: bool = False) -> Array:
@@ -137,18 +139,20 @@ def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params) ->
     except OptimizationError:
         _take_back(graph, added, poses)
         raise
-    worst, refusal = _judge(graph, optimized, poses, candidates, params)
-    if refusal is not None:
+    worst, judged = _judge(graph, optimized, poses, candidates, params)
+    if judged is not None:
         _take_back(graph, added, poses)
-        return Closure(False, optimized, worst, refusal)
+        limit = params.RGBD.OptimizeMaxError
+        refusal = Refusal(_TEST, judged.ratio, limit, f"{judged.text}, more than {_TEST} {limit:g} allows")
+        return Closure(False, optimized, worst, refusal, judged.link)
     graph.poses = optimized.poses
     return Closure(True, optimized, worst)
 
 
 def _judge(
     graph: PoseGraph, optimized: Optimized, before: Mapping[int, Pose], new: Sequence[Link], params: Params
-) -> tuple[WorstLink, Refusal | None]:
-    """The worst link of all, and the refusal where one that counts is worse than allowed."""
+) -> tuple[WorstLink, WorstLink | None]:
+    """The worst link of all, and of those that count the worst that is worse than allowed."""
     limit, planar, pairs = params.RGBD.OptimizeMaxError, params.Reg.Force3DoF, {link.pair for link in new}
     # What a robust kernel had switched off already says nothing about the new links.
     off = set(optimized.outliers) - pairs
@@ -163,9 +167,7 @@ def _judge(
     counts = np.flatnonzero(ratios[:, [0, 2]].max(axis=1) > np.maximum(allowed, limit))
     if not len(counts):
         return worst, None
-    judged = _worst([links[k] for k in counts], ratios[counts])
-    text = f"{judged.text}, more than {_TEST} {limit:g} allows"
-    return worst, Refusal(_TEST, judged.ratio, limit, text)
+    return worst, _worst([links[k] for k in counts], ratios[counts])
 
 
 def _worst(links: Sequence[Link], ratios: Array) -> WorstLink:

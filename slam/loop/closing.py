@@ -2,31 +2,89 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.errors import OptimizationError
-from slam.graph.graph import PoseGraph
+from slam.graph.graph import Pair, PoseGraph
 from slam.graph.verify import Closure, close_loops
+from slam.loop.repair import taken_back, wrong_since
 from slam.params import Params
 from slam.types import Candidate, Link, Refusal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Closed:
-    """Outcome: every candidate with its verdict, the links that are in the graph now, and the last optimisation."""
+    """Outcome of an update's loops.
+
+    Attributes:
+        candidates: every one with its verdict.
+        links: those that are in the graph now.
+        closure: the last optimisation.
+        blamed: links that spoke against candidates.
+        removed: old loop links that were taken back for them.
+    """
 
     candidates: tuple[Candidate, ...] = ()
     links: tuple[Link, ...] = ()
     closure: Closure | None = None
+    blamed: tuple[Link, ...] = ()
+    removed: tuple[Link, ...] = ()
 
     @property
     def optimized(self) -> bool:
         """Whether poses of older nodes moved."""
         return bool(self.links)
+
+
+class LoopCloser:
+    """Closes loops, update after update, and remembers which old link the last refused ones contradicted."""
+
+    def __init__(self) -> None:
+        self._blamed: Link | None = None
+
+    def close(
+        self,
+        graph: PoseGraph,
+        candidates: Sequence[Candidate],
+        params: Params,
+        kept: Callable[[], Collection[Pair]] = tuple,
+    ) -> Closed:
+        """Like ``close``; an old loop link that speaks against candidates twice in a row goes, if that lets one in.
+
+        Args:
+            graph: gets the links and the poses.
+            candidates: of this update.
+            params: the RGBD and Optimizer groups are read.
+            kept: pairs that somebody has approved, which never go; asked for only when a link is about to.
+        """
+        closed = close(graph, candidates, params)
+        if closed.closure is None:
+            return closed
+        last, self._blamed = self._blamed, next((k for k in closed.blamed if graph.links.get(k.pair) is k), None)
+        if self._blamed is None or self._blamed is not last or params.RGBD.OptimizeMaxErrorRepairRadius <= 0:
+            return closed
+        return _repaired(graph, candidates, self._blamed, kept(), params) or closed
+
+
+def _repaired(
+    graph: PoseGraph, candidates: Sequence[Candidate], old: Link, kept: Collection[Pair], params: Params
+) -> Closed | None:
+    """The outcome without the old link and its neighbours; None where no candidate comes in by that: then they stay."""
+    removed, poses = wrong_since(old, graph, kept, params), graph.poses
+    for link in removed:
+        graph.remove_link(link.pair)
+    closed = close(graph, candidates, params) if removed else Closed()
+    if not closed.links:
+        for link in removed:
+            graph.add_link(link)
+        graph.poses = poses
+        return None
+    gone = tuple(taken_back(link, old, params) for link in removed)
+    return replace(closed, candidates=(*closed.candidates, *gone), removed=tuple(removed))
 
 
 def limited(candidate: Candidate, most: NDArray[np.float64]) -> Candidate:
@@ -51,8 +109,10 @@ def close(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> 
     else:
         verdicts = {id(candidate): _try(graph, [candidate], params) for candidate in agreed}
     judged = tuple(replace(c, refusal=verdicts[id(c)].refusal) if id(c) in verdicts else c for c in candidates)
-    links = tuple(_link(c) for c in judged if c.refusal is None)
-    return Closed(judged, links, list(verdicts.values())[-1].closure)
+    links = tuple(c.link for c in judged if c.refusal is None and c.link is not None)
+    closures = [verdict.closure for verdict in verdicts.values()]
+    blamed = tuple(closure.blamed for closure in closures if closure is not None and closure.blamed is not None)
+    return Closed(judged, links, closures[-1], blamed)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,12 +129,7 @@ class _Verdict:
 
 def _try(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> _Verdict:
     try:
-        closure = close_loops(graph, [_link(candidate) for candidate in candidates], params)
+        closure = close_loops(graph, [c.link for c in candidates if c.link is not None], params)
     except OptimizationError as error:
         return _Verdict(None, Refusal("optimization", float("nan"), float("nan"), str(error)))
     return _Verdict(closure, closure.refusal)
-
-
-def _link(candidate: Candidate) -> Link:
-    assert candidate.information is not None
-    return Link(candidate.from_id, candidate.to_id, candidate.type, candidate.T_from_to, candidate.information)

@@ -88,11 +88,11 @@ class Localizer:
             params: of this update.
         """
         agreed = [c for c in candidates if c.refusal is None]
-        refusal = self._fit(_Step(node, motion, tuple(map(_link, agreed))), poses, params)
+        refusal = self._fit(_Step(node, motion, tuple(c.link for c in agreed if c.link)), poses, params)
         judged = {id(c): refusal for c in agreed}
         sure = [c for c in agreed if c.type is LinkType.GLOBAL_CLOSURE]
         if refusal is not None and 0 < len(sure) < len(agreed):
-            again = self._fit(_Step(node, motion, tuple(map(_link, sure))), poses, params)
+            again = self._fit(_Step(node, motion, tuple(c.link for c in sure if c.link)), poses, params)
             judged |= {id(c): again for c in sure}
             refusal = again
         if refusal is not None:
@@ -165,8 +165,3 @@ class Localizer:
         for loop in loops:
             graph.add_link(loop)
         return graph
-
-
-def _link(candidate: Candidate) -> Link:
-    assert candidate.information is not None
-    return Link(candidate.from_id, candidate.to_id, candidate.type, candidate.T_from_to, candidate.information)

@@ -84,6 +84,10 @@ class GlobalGrid:
         self._placed |= {i: replace(self._placed[i], where=to) for i, to in where.items()}
         return True
 
+    def leave_out(self, node_id: int) -> bool:
+        """Forget a node's local grid at the next ``rebuild``; whether it was there."""
+        return self._placed.pop(node_id, None) is not None
+
     @property
     def size(self) -> int:
         """Number of cells in the arrays."""

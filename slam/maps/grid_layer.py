@@ -58,6 +58,11 @@ class GridLayer:
                 grids = ((node_id, self._stored(node_id)) for node_id in joined)
                 self._global.add_all({i: (grid, graph.poses[i]) for i, grid in grids if grid is not None})
 
+    def leave_out(self, node_id: int) -> None:
+        """A node is no part of the map any more; its cells go when the grid is next made anew."""
+        self._known.discard(node_id)
+        self._is_behind |= self._global.leave_out(node_id)
+
     def follow(self, poses: Mapping[int, Pose], moved: Iterable[int]) -> None:
         """Follows those poses that moved; a large grid is made anew seldom, so that each node bears a small share."""
         self._is_behind |= self._global.follow(poses, moved)
@@ -72,7 +77,8 @@ class GridLayer:
 
     def move(self, poses: Mapping[int, Pose]) -> None:
         """Follows all poses at once."""
-        self._global.move(poses)
+        if not self._global.move(poses) and self._is_behind:
+            self._global.rebuild()
         self._is_behind = False
 
     def occupancy_in_turn(self) -> OccupancyGrid | None:

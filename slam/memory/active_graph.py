@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from slam.geometry import Pose, adjoint, between, inverse
+from slam.geometry import Pose, between
+from slam.graph.composition import composed
 from slam.graph.graph import PoseGraph
 from slam.types import Link, LinkType
 
@@ -60,6 +61,18 @@ class ActiveGraph:
         if not self.is_whole:
             self.graph.remove_node(node_id)
 
+    def merge(self, node_id: int, into: int, links: Iterable[Link]) -> None:
+        """A node in RAM becomes part of another one there, which gets these links; what hung on it hangs on that."""
+        T_into_node = between(self.graph.poses[into], self.graph.poses[node_id])
+        for other, (held, T_held_other) in self._hangs.items():
+            if held == node_id:
+                self._hangs[other] = into, T_into_node @ T_held_other
+        for link in [link for link in self._over if node_id in link.pair]:
+            del self._over[link]
+        self.remove_node(node_id)
+        for link in links:
+            self.add_link(link)
+
     def add_link(self, link: Link) -> None:
         """A new link of nodes in RAM."""
         self.whole.add_link(link)
@@ -77,10 +90,12 @@ class ActiveGraph:
         self.whole.poses[node_id] = T_map_base
         self.graph.poses[node_id] = T_map_base
 
-    def closed(self, links: Iterable[Link]) -> None:
-        """Loop links were added to ``graph``, which was optimised with them: the whole graph gets both."""
+    def closed(self, links: Iterable[Link], removed: Iterable[Link] = ()) -> None:
+        """Loop links were added to ``graph`` (and removed), which was optimised so: the whole graph gets it all."""
         if self.is_whole:
             return
+        for link in removed:
+            self.whole.remove_link(link.pair)
         for link in links:
             self.whole.add_link(link)
         self.whole.poses.update(self.graph.poses)
@@ -126,7 +141,7 @@ class ActiveGraph:
         self.graph.remove_node(node_id)
         for a, b in zip(sorted(links), sorted(links)[1:], strict=False):
             if b not in self.graph.within(a, _NEAR):
-                self._bridge(_composed(links[a], links[b], a, node_id, b), node_id)
+                self._bridge(composed(links[a], links[b], a, node_id, b, LinkType.VIRTUAL_CLOSURE), node_id)
 
     def _restore(self, node_id: int) -> None:
         """The links of a node that came back, those that it had when it left and its real ones, and none over it."""
@@ -177,20 +192,6 @@ class ActiveGraph:
             T_end_at = T_end_at @ self._hangs[step][1]
             self._hangs[step] = at, T_end_at
         return np.asarray(pose @ T_end_at)
-
-
-def _composed(first: Link, second: Link, a: int, middle: int, b: int) -> Link:
-    """The link from a to b over a node between: transforms one after the other, covariances added at the end."""
-    T_a_middle, T_middle_b = _directed(first, a), _directed(second, middle)
-    turn = adjoint(inverse(T_middle_b))
-    covariance = turn @ np.linalg.inv(first.information) @ turn.T + np.linalg.inv(second.information)
-    information = np.linalg.inv(covariance)
-    return Link(a, b, LinkType.VIRTUAL_CLOSURE, T_a_middle @ T_middle_b, 0.5 * (information + information.T))
-
-
-def _directed(link: Link, from_id: int) -> Pose:
-    assert link.T_from_to is not None
-    return link.T_from_to if link.from_id == from_id else inverse(link.T_from_to)
 
 
 def _copy(graph: PoseGraph) -> PoseGraph:

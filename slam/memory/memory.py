@@ -45,6 +45,7 @@ class Memory:
         self._outlines: dict[int, Node] = {}
         self._moved: dict[int, Tier] = {}
         self._renamed: dict[int, dict[int, int]] = {}
+        self._reweighed: dict[int, int] = {}
         self._adopted: set[int] = set()
         self._entries = 0
 
@@ -78,21 +79,25 @@ class Memory:
         bag = WordBag.of(node)
         self.dictionary.discard(bag.words.tolist())
 
-    def add(self, node: Node, params: Params) -> None:
-        """Takes a new node into STM; what overflows goes to WM."""
+    def add(self, node: Node, params: Params) -> list[int]:
+        """Takes a new node into STM; what overflows goes to WM: the ids of those."""
         self._admit(node)
         self.weights[node.id] = node.weight
         self.stm.append(node.id)
         self._moved[node.id] = Tier.STM
-        while len(self.stm) > params.Mem.STMSize:
-            self._enter_wm(self.stm.popleft())
+        left = [self.stm.popleft() for _ in range(len(self.stm) - params.Mem.STMSize)]
+        for node_id in left:
+            self._enter_wm(node_id)
+        return left
 
     def dismiss(self, node_id: int) -> None:
-        """Lets a node of STM go for good, with the words that it alone had."""
-        self.stm.remove(node_id)
+        """Lets a node in RAM go for good, with the words that it alone had."""
+        if self.wm.pop(node_id, None) is None:
+            self.stm.remove(node_id)
         del self.nodes[node_id], self.weights[node_id]
         self.dictionary.release(self.bags.pop(node_id).words.tolist())
         self._moved.pop(node_id, None)
+        self._reweighed.pop(node_id, None)
 
     def transfer(self, ids: Iterable[int]) -> None:
         """Moves nodes from WM to LTM: features and unused words leave RAM."""
@@ -144,6 +149,14 @@ class Memory:
             self._admit(replace(node, word_ids=np.where(known, node.word_ids, np.minimum(node.word_ids, -1))))
             self._enter_wm(node.id)
 
+    def set_weight(self, node_id: int, weight: int) -> None:
+        """Another weight for a node that may be in the map file already."""
+        self.weights[node_id] = self._reweighed[node_id] = weight
+
+    def in_ram(self) -> tuple[int, ...]:
+        """Ids in short-term and working memory, ascending."""
+        return tuple(sorted([*self.stm, *self.wm]))
+
     def tier(self, node_id: int) -> Tier:
         """The memory a node is in."""
         if node_id in self.wm:
@@ -154,6 +167,11 @@ class Memory:
         """Tiers that changed since this was last asked."""
         moved, self._moved = self._moved, {}
         return moved
+
+    def take_weights(self) -> dict[int, int]:
+        """Weights set since this was last asked."""
+        weights, self._reweighed = self._reweighed, {}
+        return weights
 
     def take_renamed(self) -> dict[int, dict[int, int]]:
         """Node -> old word -> word in RAM, of nodes that came back since this was last asked."""

@@ -40,6 +40,11 @@ FEATURE_TYPES = tuple(number for number in _NAMES if number not in _REFUSED and 
 CHOICES = (*FEATURE_TYPES, *NETWORKS)
 
 
+def feature_name(number: int) -> str:
+    """What the detector and descriptor of a number are called."""
+    return _NAMES[number]
+
+
 def checked_feature_type(number: int) -> int:
     """The number itself.
 

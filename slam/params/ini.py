@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from slam.errors import ParameterError
+from slam.params.old_names import is_gone, todays
 from slam.params.params import Params, specs
 
 _SECTION = "Core"
@@ -45,8 +46,8 @@ def rtabmap_default(name: str) -> str | None:
 def read_ini(path: Path) -> IniFile:
     r"""Parameters of a file; groups and names are joined by a backslash (as Qt writes them) or by a slash.
 
-    Sections other than ``[Core]`` hold settings of RTAB-Map's windows and are skipped; a file without sections is all
-    parameters.
+    Names of older versions of RTAB-Map count as what they became. Sections other than ``[Core]`` hold settings of
+    RTAB-Map's windows and are skipped; a file without sections is all parameters.
 
     Raises:
         ParameterError: with file and line; the file can't be read, a line is no ``name=value``, a name is unknown to
@@ -54,11 +55,12 @@ def read_ini(path: Path) -> IniFile:
     """
     values: dict[str, str] = {}
     unused: dict[str, str] = {}
-    for number, name, value in _entries(path):
+    for number, given, text in _entries(path):
+        ((name, value),) = todays({given: text}).items()
         try:
             if name in values or name in unused:
                 raise ParameterError(f"{name} is given twice; keep one of them")
-            if known_unused(name):
+            if known_unused(name) or is_gone(name):
                 unused[name] = value
             elif name in _registered():
                 Params().changed({name: value})

@@ -39,6 +39,7 @@ class Params(BaseModel):
     SURF: g.SURFGroup = g.SURFGroup()
     ALIKED: g.ALIKEDGroup = g.ALIKEDGroup()
     DISK: g.DISKGroup = g.DISKGroup()
+    LightGlue: g.LightGlueGroup = g.LightGlueGroup()
     Odom: g.OdomGroup = g.OdomGroup()
     OdomF2M: g.OdomF2MGroup = g.OdomF2MGroup()
     Optimizer: g.OptimizerGroup = g.OptimizerGroup()

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
+from slam.features.light_glue import LIGHT_GLUE, match_light_glue
 from slam.features.match import match_all, match_near
 from slam.geometry import Pose, inverse, transform
 from slam.params import Params
@@ -31,7 +32,7 @@ class Correspondences:
 
 
 class Matching:
-    """Descriptors, all against all or around where a guess expects them (``Vis/CorType`` 0)."""
+    """``Vis/CorType`` 0: descriptors, around where a guess expects them; without one by ``Vis/CorNNType``."""
 
     def between(
         self, view_from: View, view_to: View, guess: Pose | None, radius: float, params: Params
@@ -40,7 +41,9 @@ class Matching:
         features, to = view_from.features, view_to.features
         with_depth = np.flatnonzero(np.isfinite(features.points_base[:, 0]))
         descriptors = features.descriptors[with_depth]
-        if guess is None:
+        if guess is None and params.Vis.CorNNType == LIGHT_GLUE:
+            matches = match_light_glue(features.take(with_depth), view_from.camera, to, view_to.camera, params)
+        elif guess is None:
             matches = match_all(descriptors, to.descriptors, ratio=params.Vis.CorNNDR)
         else:
             points = features.points_base.astype(np.float64)[with_depth]

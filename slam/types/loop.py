@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.geometry import Pose
-from slam.types.link import LinkType
+from slam.types.link import Link, LinkType
 from slam.types.refusal import Refusal
 
 
@@ -39,6 +39,13 @@ class Candidate:
     information: NDArray[np.float64] | None
     refusal: Refusal | None
     by_scans: bool = False
+
+    @property
+    def link(self) -> Link | None:
+        """The link that it is or would be; None where the registration found no transform."""
+        if self.T_from_to is None or self.information is None:
+            return None
+        return Link(self.from_id, self.to_id, self.type, self.T_from_to, self.information)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

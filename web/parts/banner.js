@@ -6,11 +6,13 @@ import { get } from "../api.js";
 import { dismiss, toasts } from "../actions.js";
 import { connect, connection, nextTry } from "../events.js";
 import { link, openMapId } from "../router.js";
-import { infoError, readFailure, session } from "../store.js";
+import { info, infoError, readFailure, session } from "../store.js";
 import { Button } from "./button.js";
 import { Icon } from "./icons.js";
 
 const refused = signal(false);
+/** The map whose notes somebody has read and put away. */
+const readNotes = signal(/** @type {string | null} */ (null));
 
 export function Banners() {
   const lost = connection.value === "lost";
@@ -19,6 +21,7 @@ export function Banners() {
   return html`<div class="banners" aria-live="assertive">
     ${lost && (refused.value ? h(Expired, {}) : h(ServerGone, {}))}
     ${!lost && failure !== null && failure !== readFailure.value && h(EngineDead, { reason: failure })}
+    ${!lost && info.value?.notes.length && readNotes.value !== info.value.id && h(MapNotes, { info: info.value })}
     ${!lost && infoError.value && h(MapFailed, { error: infoError.value })}
   </div>`;
 }
@@ -67,6 +70,16 @@ function EngineDead({ reason }) {
     >
     <a class="button button-plain" href=${link({ view: "maps" })}>Start a run</a>
     ${h(Button, { icon: "close", hint: "Hide this message", onClick: () => (readFailure.value = reason) })}
+  </div>`;
+}
+
+/** @param {{info: import("../store.js").Schemas["MapInfo"]}} props */
+function MapNotes({ info: { id, name, notes } }) {
+  const more = notes.length > 1 ? html` <a href=${link({ view: "maps" })}>${notes.length - 1} more</a>` : "";
+  return html`<div class="banner" role="status" id="map-notes">
+    ${h(Icon, { name: "warn" })}
+    <span class="grow"><b>${name}:</b> ${notes[0]}${more}</span>
+    ${h(Button, { icon: "close", hint: "Hide this message", onClick: () => (readNotes.value = id) })}
   </div>`;
 }
 

@@ -50,7 +50,7 @@ export function ColourPicture({ map, node, features }) {
     draw: (ctx, width, height) => {
       if (!image) return;
       ctx.drawImage(image, 0, 0, width, height);
-      if (features) drawPoints(ctx, features, width / (node.camera?.width ?? image.naturalWidth));
+      if (features) drawPoints(ctx, features, width / image.naturalWidth);
     },
   });
 }

@@ -7,7 +7,7 @@ import { graphRevision, inForce } from "../store.js";
 import { DecisionBar } from "./decision_bar.js";
 import { Facts } from "./facts.js";
 import { LinkName } from "./link_name.js";
-import { sigmaText } from "./loop_columns.js";
+import { SUSPECT, sigmaText } from "./loop_columns.js";
 import { MatchPicture } from "./matches.js";
 import { rotationText, translationText } from "./pose.js";
 import { Failed, Loading } from "./state.js";
@@ -48,7 +48,7 @@ export function LinkEvidence({ map, link, row, onStep, onDecided }) {
 function details(map, found) {
   return html`${h(MatchPicture, { map, from: found.from, to: found.to })}
     ${h(Facts, { facts: facts(found) })}
-    <p class=${`why why-${tone(found.state)}`} id="why">${found.explanation}</p>`;
+    <p class=${`why why-${tone(found)}`} id="why">${found.explanation}</p>`;
 }
 
 /** @param {LinkDetail} found @returns {import("./facts.js").Fact[]} */
@@ -57,7 +57,7 @@ function facts(found) {
   const node = (/** @type {number} */ id) => html`<a href=${linkTo({ view: "nodes", key: id })}>${id}</a>`;
   const loopThr = Number(inForce("Rtabmap/LoopThr") ?? NaN);
   const enough = posterior !== null && posterior >= loopThr ? "≥" : "<";
-  const chi2 = found.chi2 === null ? "" : ` · χ² ${sigmaText(found.chi2)}`;
+  const { doubt, chi2_share: share } = found;
   return [
     ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
     ["P", posterior === null ? text.NONE : `${text.fixed(posterior)} ${enough} ${text.short(loopThr)} LoopThr`],
@@ -65,13 +65,23 @@ function facts(found) {
     ["Translation", transform ? translationText(transform) : text.NONE],
     ["Sigma", sigma ? `${text.length(Math.max(...sigma))} · ${text.fixed(Math.max(...(sigmaDeg ?? [])), 2)} °` : text.NONE, "Largest of the three axes"],
     ["Rotation", transform ? rotationText(transform) : text.NONE],
-    ["Residual", found.residual_sigma === null ? text.NONE : `${sigmaText(found.residual_sigma)} σ${chi2}`],
+    ["Residual", found.residual_sigma === null ? text.NONE : `${sigmaText(found.residual_sigma)} σ`],
+    ["χ²", found.chi2 === null ? text.NONE : chi2Text(found.chi2, share), "Its squared residual, and its share of the whole graph's"],
+    ["Odometry", doubt?.odometry == null ? text.NONE : `${sigmaText(doubt.odometry)} σ away`, "How far odometry alone is from this transform"],
+    ["Near by", doubt?.compared ? `${doubt.agreeing} of ${doubt.compared} loops agree` : text.NONE, "Loops near by, each with the odometry between"],
     ["Distance", transform ? `${text.length(found.translation_m)} · ${text.fixed(found.rotation_deg, 1)} °` : text.NONE],
   ];
 }
 
-/** @param {string | null} state */
-function tone(state) {
+/** @param {number} chi2 @param {number | null} share */
+function chi2Text(chi2, share) {
+  const size = chi2 >= 1000 ? text.whole(Math.round(chi2)) : sigmaText(chi2);
+  return share === null ? size : `${size} (${text.fixed(100 * share, 0)} %)`;
+}
+
+/** @param {LinkDetail} found */
+function tone({ state, doubt }) {
+  if (doubt !== null && doubt.score >= SUSPECT && state === "accepted") return "bad";
   if (state === "refused" || state === "rejected") return "bad";
   return state === "accepted" || state === "approved" || state === "added" ? "good" : "quiet";
 }

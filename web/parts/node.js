@@ -9,6 +9,7 @@ import { Facts } from "./facts.js";
 import { NodeImages } from "./node_images.js";
 import { LinkName } from "./link_name.js";
 import { Poses } from "./pose.js";
+import { Sensors } from "./sensors.js";
 import { Failed, Loading } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
 
@@ -36,15 +37,21 @@ export function NodeInspector({ map, id }) {
           ["Time", text.clock(node.stamp)],
           ["Session", text.whole(node.map_id)],
           ["Memory", node.tier?.toUpperCase() ?? text.NONE],
-          ["Weight", text.whole(node.weight)],
+          ["Weight", weightText(node.weight)],
           ["Features", text.whole(node.features)],
           ["Words", text.whole(node.words)],
         ],
       })}
       ${h(Poses, { rows: [["Map", node.pose], ["Odometry", node.odom], ["Truth", node.truth, "Ground truth, laid over the path of the map"]] })}
-      ${h(Links, { node })} ${h(Statistics, { values: node.statistics })}
+      ${h(Sensors, { node })} ${h(Links, { node })} ${h(Statistics, { values: node.statistics })}
     </div>
   </section>`;
+}
+
+/** Weights that are none say what the node is. @param {number} weight */
+function weightText(weight) {
+  if (weight === -9) return "none: merged or dropped";
+  return weight === -1 ? "none: only in the graph" : text.whole(weight);
 }
 
 /** @param {{node: NodeDetail}} props */
@@ -55,11 +62,17 @@ function Links({ node }) {
     <ul class="links">
       ${node.links.map(({ from, to, type, translation_m }) => {
         const other = from === node.id ? to : from;
+        const own = from === to || to < 0;
+        const merged = !own && translation_m === null;
         return html`<li key=${`${from}-${to}-${type}`}>
-          <a href=${link({ view: "nodes", key: other })}>node ${other}</a>
-          ${h(LinkName, { type })}
-          <span class="quiet grow right">${text.length(translation_m)}</span>
-          <a href=${link({ view: "loops", key: `${from}-${to}` })} aria-label=${`Evidence of link ${from} to ${to}`}>evidence</a>
+          ${own
+            ? html`<span>${to < 0 ? `landmark ${-to}` : "itself"}</span>`
+            : html`<a href=${link({ view: "nodes", key: other })}>node ${other}</a>`}
+          ${merged ? html`<span class="quiet">${from === node.id ? "merged into it" : "merged into this"}</span>` : h(LinkName, { type })}
+          <span class="quiet grow right">${type === "Gravity" || merged ? "" : text.length(translation_m)}</span>
+          ${!own &&
+          !merged &&
+          html`<a href=${link({ view: "loops", key: `${from}-${to}` })} aria-label=${`Evidence of link ${from} to ${to}`}>evidence</a>`}
         </li>`;
       })}
     </ul>

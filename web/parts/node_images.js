@@ -13,7 +13,7 @@ export function NodeImages({ map, node }) {
   const [large, setLarge] = useState(/** @type {"colour" | "depth" | null} */ (null));
   const features = useKeyPoints(map, node);
   const colour = h(ColourPicture, { map, node, features });
-  const depth = h(DepthPicture, { map, node });
+  const depth = node.has_right ? h(RightPicture, { map, node }) : h(DepthPicture, { map, node });
   const close = () => setLarge(null);
   return html`<figure class="picture">
     <div class="pictures">
@@ -22,10 +22,27 @@ export function NodeImages({ map, node }) {
     </div>
     <figcaption class="picture-bar">
       ${h(KeyPointsToggle, { node, features })}
-      <span class="quiet small grow right">${node.has_depth ? "depth from near (blue) to far (red)" : ""}</span>
+      <span class="quiet small grow right">${besides(node)}</span>
     </figcaption>
     ${large && h(Lightbox, { title: `Node ${node.id}, ${large}`, close, children: large === "colour" ? colour : depth })}
   </figure>`;
+}
+
+/** What the second picture is. @param {NodeDetail} node */
+function besides({ has_right, has_depth }) {
+  if (has_right) return "left and right image of the stereo camera";
+  return has_depth ? "depth from near (blue) to far (red)" : "";
+}
+
+/** @param {{map: string, node: NodeDetail}} props */
+function RightPicture({ map, node }) {
+  const { image } = useImage(address("api", "maps", map, "nodes", node.id, "right"));
+  return h(Canvas, {
+    label: `Right image of node ${node.id}`,
+    aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,
+    dependencies: [image],
+    draw: (ctx, width, height) => image && ctx.drawImage(image, 0, 0, width, height),
+  });
 }
 
 /** @param {{map: string, node: NodeDetail}} props */

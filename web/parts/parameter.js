@@ -75,6 +75,7 @@ function Control({ entry, value, disabled, onChange }) {
       <i></i>
     </button>`;
   }
+  if (entry.choices.length) return h(Choices, { entry, value, disabled, onChange });
   const field = h(Field, { entry, value, disabled, onChange });
   if (type === "text") return field;
   const range = sliderRange(entry, Number(value));
@@ -92,6 +93,19 @@ function Control({ entry, value, disabled, onChange }) {
     />
     ${field}
   </div>`;
+}
+
+/** @param {{entry: ParameterEntry, value: Value, disabled: boolean, onChange: (value: Value) => void}} props */
+function Choices({ entry: { name, choices }, value, disabled, onChange }) {
+  return html`<select
+    id=${name}
+    class="field wide"
+    value=${String(value)}
+    disabled=${disabled}
+    onChange=${(/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) => onChange(choices[currentTarget.selectedIndex].value)}
+  >
+    ${choices.map((choice) => html`<option key=${choice.value} value=${String(choice.value)}>${choice.label}</option>`)}
+  </select>`;
 }
 
 /** @param {{entry: ParameterEntry, value: Value, disabled: boolean, onChange: (value: Value) => void}} props */

@@ -128,6 +128,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/landmarks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Landmarks
+         * @description Tags and markers that were seen.
+         */
+        get: operations["list_landmarks"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/links/{from_id}/{to_id}": {
         parameters: {
             query?: never;
@@ -288,6 +308,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/right": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Right
+         * @description The right image of a stereo pair as it is stored.
+         */
+        get: operations["get_node_right"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/parameters": {
         parameters: {
             query?: never;
@@ -364,6 +404,26 @@ export interface paths {
          * @description Columns over the updates.
          */
         get: operations["get_statistics"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/what-if/loops": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Foresee Loops
+         * @description The loops that would be there with another Rtabmap/LoopThr; nothing is changed.
+         */
+        get: operations["foresee_loops"];
         put?: never;
         post?: never;
         delete?: never;
@@ -449,6 +509,11 @@ export interface components {
          * @description A rectified pinhole camera, in pixels.
          */
         CameraModel: {
+            /**
+             * Baseline M
+             * @description Of a stereo pair, whose left camera this is.
+             */
+            baseline_m?: number | null;
             /** Cx */
             cx: number;
             /** Cy */
@@ -461,6 +526,21 @@ export interface components {
             height: number;
             /** Width */
             width: number;
+        };
+        /**
+         * CloudFacts
+         * @description The stored scan of a node.
+         */
+        CloudFacts: {
+            /** Normals */
+            normals: boolean;
+            /** Points */
+            points: number;
+            /**
+             * Range M
+             * @description Distance of the farthest point from the base.
+             */
+            range_m: number;
         };
         /**
          * Decision
@@ -534,6 +614,27 @@ export interface components {
             status: number;
         };
         /**
+         * GpsFix
+         * @description A position on the earth; degrees, metres, seconds.
+         */
+        GpsFix: {
+            /** Altitude */
+            altitude: number;
+            /**
+             * Bearing
+             * @description Clockwise from north.
+             */
+            bearing: number;
+            /** Error */
+            error: number;
+            /** Latitude */
+            latitude: number;
+            /** Longitude */
+            longitude: number;
+            /** Stamp */
+            stamp: number;
+        };
+        /**
          * Graph
          * @description The graph, or what came to it since a revision.
          */
@@ -554,6 +655,20 @@ export interface components {
             nodes: components["schemas"]["NodeColumns"];
             /** Revision */
             revision: number;
+        };
+        /**
+         * GridFacts
+         * @description Cells of a node's local grid.
+         */
+        GridFacts: {
+            /** Cell Size M */
+            cell_size_m: number;
+            /** Empty */
+            empty: number;
+            /** Ground */
+            ground: number;
+            /** Obstacles */
+            obstacles: number;
         };
         /**
          * Hypothesis
@@ -609,6 +724,40 @@ export interface components {
             undone_by: number | null;
         };
         /**
+         * Landmark
+         * @description A tag or marker that nodes saw.
+         */
+        Landmark: {
+            /**
+             * Id
+             * @description Its number, positive; links to it have the negative one.
+             */
+            id: number;
+            /**
+             * Length M
+             * @description Of the marker's side, where it is stored.
+             */
+            length_m: number | null;
+            /**
+             * Pose
+             * @description In the map frame; None where no pose of it is known.
+             */
+            pose: number[] | null;
+            /**
+             * Seen From
+             * @description Ids of the nodes that saw it.
+             */
+            seen_from: number[];
+        };
+        /**
+         * Landmarks
+         * @description All landmarks of a map.
+         */
+        Landmarks: {
+            /** Landmarks */
+            landmarks: components["schemas"]["Landmark"][];
+        };
+        /**
          * LayerChange
          * @description Layers to switch; those left out stay.
          */
@@ -647,6 +796,12 @@ export interface components {
         LinkDetail: {
             /** Chi2 */
             chi2: number | null;
+            /**
+             * Chi2 Share
+             * @description Of the whole graph's chi2.
+             */
+            chi2_share: number | null;
+            doubt: components["schemas"]["LoopDoubt"] | null;
             /** Explanation */
             explanation: string;
             /** From */
@@ -701,6 +856,42 @@ export interface components {
             y2: number[];
         };
         /**
+         * LoopDoubt
+         * @description What speaks against a loop, each in sigmas; None where it can't be told.
+         */
+        LoopDoubt: {
+            /**
+             * Agreeing
+             * @description Those of them that it agrees with.
+             */
+            agreeing: number;
+            /**
+             * Compared
+             * @description Loops near by.
+             */
+            compared: number;
+            /**
+             * Neighbors
+             * @description How far the loops near by are from it (median).
+             */
+            neighbors: number | null;
+            /**
+             * Odometry
+             * @description How far odometry alone is from it.
+             */
+            odometry: number | null;
+            /**
+             * Residual
+             * @description How far the optimised poses are from it.
+             */
+            residual: number | null;
+            /**
+             * Score
+             * @description The largest of the three over what is usual in this map: above 1 the loop is suspect.
+             */
+            score: number;
+        };
+        /**
          * LoopReason
          * @description Why a loop was refused: the test, its value and the threshold that it missed.
          */
@@ -719,6 +910,8 @@ export interface components {
          * @description A loop in the review queue.
          */
         LoopRow: {
+            /** @description None where there is no transform to judge. */
+            doubt: components["schemas"]["LoopDoubt"] | null;
             /** From */
             from: number;
             /** Inliers */
@@ -757,6 +950,42 @@ export interface components {
          * @enum {string}
          */
         LoopState: "accepted" | "refused" | "approved" | "rejected" | "added";
+        /**
+         * LoopWhatIf
+         * @description The map's loops at another ``Rtabmap/LoopThr``, by what each update believed.
+         */
+        LoopWhatIf: {
+            /**
+             * Counts
+             * @description By outcome.
+             */
+            counts: {
+                [key: string]: number;
+            };
+            /** @description None while hypotheses are being tried, or where it was not asked for. */
+            graph: components["schemas"]["WhatIfGraph"] | null;
+            /** In Force */
+            in_force: number;
+            /** Loops */
+            loops: components["schemas"]["WhatIfLoop"][];
+            /**
+             * Pending
+             * @description Hypotheses that are still being tried; ask again.
+             */
+            pending: number;
+            /**
+             * Precision
+             * @description Of the loops that would be in the map and have a label, the share of true ones.
+             */
+            precision: number | null;
+            /**
+             * Recall
+             * @description Of the true ones that are known, the share that would be in the map.
+             */
+            recall: number | null;
+            /** Threshold */
+            threshold: number;
+        };
         /**
          * Loops
          * @description Every loop that was looked at; of a pair, the last word.
@@ -830,6 +1059,11 @@ export interface components {
             /** Nodes */
             nodes: number;
             /**
+             * Notes
+             * @description What is missing in the file and what was made up for, in sentences.
+             */
+            notes: string[];
+            /**
              * Parameters
              * @description Those that differ from the defaults.
              */
@@ -838,6 +1072,8 @@ export interface components {
             };
             /** Seeds */
             seeds: number[];
+            /** Session List */
+            session_list: components["schemas"]["SessionFacts"][];
             /** Sessions */
             sessions: number;
             /** Size Bytes */
@@ -932,6 +1168,11 @@ export interface components {
          */
         NodeDetail: {
             camera: components["schemas"]["CameraModel"] | null;
+            /**
+             * Cameras
+             * @description All cameras, in the order of the tiles of the image; the first is ``camera``.
+             */
+            cameras: components["schemas"]["CameraModel"][];
             /** Decisions */
             decisions: components["schemas"]["JournalEntry"][];
             /** Features */
@@ -940,6 +1181,11 @@ export interface components {
             has_depth: boolean;
             /** Has Image */
             has_image: boolean;
+            /**
+             * Has Right
+             * @description Whether the right image of a stereo pair is stored, in place of depth.
+             */
+            has_right: boolean;
             /** Id */
             id: number;
             /** Label */
@@ -954,6 +1200,7 @@ export interface components {
             odom: number[] | null;
             /** Pose */
             pose: number[] | null;
+            sensors: components["schemas"]["NodeSensors"];
             /** Stamp */
             stamp: number;
             /** Statistics */
@@ -1044,10 +1291,45 @@ export interface components {
             words: number;
         };
         /**
+         * NodeSensors
+         * @description What a node has besides images.
+         */
+        NodeSensors: {
+            gps: components["schemas"]["GpsFix"] | null;
+            grid: components["schemas"]["GridFacts"] | null;
+            /**
+             * Problems
+             * @description What is stored and can't be read, with the reason.
+             */
+            problems: string[];
+            /** Readings */
+            readings: components["schemas"]["SensorReading"][];
+            scan: components["schemas"]["CloudFacts"] | null;
+            user_data: components["schemas"]["UserData"] | null;
+            /** Vectors */
+            vectors: components["schemas"]["Vector"][];
+            /**
+             * Velocity
+             * @description x y z in metres a second, roll pitch yaw in radians a second.
+             */
+            velocity: number[] | null;
+        };
+        /**
+         * Outcome
+         * @description What would become of a hypothesis.
+         * @enum {string}
+         */
+        Outcome: "stays" | "goes" | "comes" | "refused" | "untried";
+        /**
          * Parameter
          * @description A registered parameter with its value in this map.
          */
         Parameter: {
+            /**
+             * Choices
+             * @description All values, where only a few are right; empty otherwise.
+             */
+            choices: components["schemas"]["ParameterChoice"][];
             /** Default */
             default: boolean | number | string;
             effect: components["schemas"]["Effect"];
@@ -1085,6 +1367,16 @@ export interface components {
             changes: {
                 [key: string]: boolean | number | string;
             };
+        };
+        /**
+         * ParameterChoice
+         * @description A value that a parameter may have, where only a few are right.
+         */
+        ParameterChoice: {
+            /** Label */
+            label: string;
+            /** Value */
+            value: number | string;
         };
         /**
          * ParameterSet
@@ -1179,6 +1471,20 @@ export interface components {
             truth: boolean;
         };
         /**
+         * SensorReading
+         * @description What an environmental sensor measured.
+         */
+        SensorReading: {
+            /** Name */
+            name: string;
+            /** Stamp */
+            stamp: number;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: number;
+        };
+        /**
          * Session
          * @description What the engine does.
          */
@@ -1219,6 +1525,25 @@ export interface components {
             state: "idle" | "starting" | "running" | "paused" | "finished" | "stopped" | "failed";
         };
         /**
+         * SessionFacts
+         * @description A session of a map.
+         */
+        SessionFacts: {
+            /** Clean */
+            clean: boolean;
+            /**
+             * Joined With
+             * @description Sessions that links join with this one.
+             */
+            joined_with: number[];
+            /** Map Id */
+            map_id: number;
+            /** Nodes */
+            nodes: number;
+            /** Source */
+            source: string;
+        };
+        /**
          * Size
          * @description Of an image, in pixels.
          */
@@ -1230,14 +1555,21 @@ export interface components {
         };
         /**
          * StartRun
-         * @description A new map from a source.
+         * @description A source to map, or to localise in a map.
          */
         StartRun: {
             /**
              * Map
-             * @description Name of the new file in the first served folder, without ``.db``.
+             * @description Name of the new file in the first served folder, without ``.db``; otherwise the id of a map that is there.
              */
             map: string;
+            /**
+             * Mode
+             * @description Make a new map, add a session to one, or localise in one, which keeps it as it is.
+             * @default new
+             * @enum {string}
+             */
+            mode: "new" | "append" | "localize";
             /** Params */
             params?: {
                 [key: string]: boolean | number | string;
@@ -1286,6 +1618,85 @@ export interface components {
          * @enum {string}
          */
         Tier: "stm" | "wm" | "ltm";
+        /**
+         * UserData
+         * @description What a program attached to a node.
+         */
+        UserData: {
+            /** Columns */
+            columns: number;
+            /** Rows */
+            rows: number;
+            /**
+             * Text
+             * @description Where it is text.
+             */
+            text: string | null;
+            /** Type */
+            type: string;
+        };
+        /**
+         * Vector
+         * @description A descriptor of the whole image.
+         */
+        Vector: {
+            /** Size */
+            size: number;
+            /** Type */
+            type: number;
+        };
+        /**
+         * WhatIfGraph
+         * @description Where the nodes would be.
+         */
+        WhatIfGraph: {
+            /** Ate M */
+            ate_m: number | null;
+            /** Ids */
+            ids: number[];
+            /** Max Shift M */
+            max_shift_m: number;
+            /**
+             * Moved
+             * @description Poses that would move by more than 1 mm or 0.05 deg.
+             */
+            moved: number;
+            /** Poses */
+            poses: number[][];
+        };
+        /**
+         * WhatIfLoop
+         * @description A hypothesis that matters at this threshold.
+         */
+        WhatIfLoop: {
+            /** From */
+            from: number;
+            /** Inliers */
+            inliers: number | null;
+            /**
+             * Key
+             * @description Both ids, newer first, ``147-61``.
+             */
+            key: string;
+            outcome: components["schemas"]["Outcome"];
+            /**
+             * Reason
+             * @description Why it would be refused; empty otherwise.
+             */
+            reason: string;
+            /** To */
+            to: number;
+            /**
+             * True
+             * @description What ground truth or a person says of it.
+             */
+            true: boolean | null;
+            /**
+             * Value
+             * @description What the threshold is compared with.
+             */
+            value: number;
+        };
     };
     responses: never;
     parameters: never;
@@ -1778,6 +2189,74 @@ export interface operations {
             };
         };
     };
+    list_landmarks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Landmarks"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_link: {
         parameters: {
             query?: never;
@@ -1995,6 +2474,8 @@ export interface operations {
                 offset?: number;
                 limit?: number;
                 order?: "id" | "-id" | "weight" | "-weight" | "stamp" | "-stamp";
+                /** @description With merged and dropped nodes, which are no part of the map. */
+                dropped?: boolean;
                 /** @description Text in id or label. */
                 q?: string;
             };
@@ -2274,6 +2755,76 @@ export interface operations {
         };
     };
     get_node_image: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The image as it is stored. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": unknown;
+                    "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_right: {
         parameters: {
             query?: never;
             header?: never;
@@ -2643,6 +3194,79 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Statistics"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    foresee_loops: {
+        parameters: {
+            query: {
+                /** @description Instead of the value in force. */
+                loop_thr: number;
+                /** @description Optimise the graph with these loops as well. */
+                graph?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LoopWhatIf"];
                 };
             };
             /** @description No token. */

@@ -18,7 +18,7 @@ import { useChanged } from "../parts/use.js";
 
 /** @typedef {import("../loop_list.js").LoopRow} LoopRow */
 
-const order = remembered("loop-order", "-residual_sigma");
+const order = remembered("loop-order", "-doubt");
 const NO_FILTER = { states: /** @type {string[]} */ ([]), type: "", minInliers: 0 };
 
 export function Loops() {

@@ -6,6 +6,7 @@ import * as text from "../format.js";
 import { link, openMapId } from "../router.js";
 import { loadMaps, maps, mapsError, session } from "../store.js";
 import { Button } from "../parts/button.js";
+import { About } from "../parts/about.js";
 import { Badge } from "../parts/facts.js";
 import { NewRun } from "../parts/new_run.js";
 import { Empty, Failed, Loading } from "../parts/state.js";
@@ -60,7 +61,7 @@ function list(found) {
       <code>slamdeck run FOLDER --db map.db</code>`;
     return h(Empty, { icon: "maps", title: "There are no maps yet", children: how });
   }
-  return html`<ul class="cards">
+  return html`${openMapId.value && h(About, { map: openMapId.value })}<ul class="cards">
     ${found.map((map) => html`<li key=${map.id}>${h(Card, { map })}</li>`)}
   </ul>`;
 }

@@ -4,7 +4,8 @@ import { h, html } from "../html.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
 import { go, openMapId, route } from "../router.js";
-import { columns, graphRevision } from "../store.js";
+import { columns, graphRevision, info } from "../store.js";
+import { Chip } from "../parts/button.js";
 import { Badge } from "../parts/facts.js";
 import { NodeInspector } from "../parts/node.js";
 import { Empty, Failed } from "../parts/state.js";
@@ -36,12 +37,13 @@ export function Nodes() {
   const map = /** @type {string} */ (openMapId.value);
   const [order, setOrder] = useState(/** @type {import("../window.js").NodeOrder} */ ("id"));
   const [query, setQuery] = useState("");
+  const [dropped, setDropped] = useState(false);
   const rows = useMemo(() => new Window(map), [map]);
   const selected = Number(route.value.key ?? 0);
   // A row that was chosen before it arrived: it is selected as soon as it is here.
   const [wanted, setWanted] = useState(-1);
 
-  useEffect(() => rows.ask(order, query), [rows, order, query]);
+  useEffect(() => rows.ask(order, query, dropped), [rows, order, query, dropped]);
   useEffect(() => void (columns.value && rows.refresh()), [graphRevision.value]);
   useChanged(/** @type {import("../columns.js").Columns} */ (columns.value).revision, () => rows.refresh());
 
@@ -60,6 +62,13 @@ export function Nodes() {
     <div class="view-head">
       <h2>Nodes</h2>
       <span class="quiet grow">${rows.loaded ? text.whole(rows.total) : ""}</span>
+      ${(info.value?.dropped ?? 0) > 0 &&
+      h(Chip, {
+        label: "Dropped",
+        on: dropped,
+        hint: `${text.whole(info.value?.dropped)} nodes that were merged or dropped: kept in the file, no part of the map`,
+        onChange: setDropped,
+      })}
       <input
         type="search"
         class="field"

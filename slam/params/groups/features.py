@@ -51,7 +51,7 @@ class GFTTGroup(Group):
 
     QualityLevel: float = param(0.001, "Weakest corner as a share of the strongest.", ge=1e-6, le=1)
     MinDistance: float = param(7.0, "Least distance between corners.", unit="px", ge=1)
-    BlockSize: int = param(3, "Window of the corner measure.", unit="px", ge=3)
+    BlockSize: int = param(3, "Window of the corner measure.", unit="px", ge=3, le=45)
     UseHarrisDetector: bool = param(False, "Harris's corner measure instead of Shi and Tomasi's.")
     K: float = param(0.04, "Free factor of Harris's measure.", ge=0, le=0.25)
 
@@ -139,6 +139,13 @@ class DISKGroup(Group):
     """DISK features, of a network."""
 
     ModelPath: str = param("", "ONNX file of the network.", effect=_SESSION)
+
+
+class LightGlueGroup(Group):
+    """Matching by the LightGlue network (``Vis/CorNNType`` 6)."""
+
+    ModelPath: str = param("", "ONNX file of the network, made for the type of Vis/FeatureType.", effect=_SESSION)
+    Threshold: float = param(0.1, "Lowest score of a match.", ge=0, le=1, effect=_SESSION)
 
 
 class SURFGroup(Group):

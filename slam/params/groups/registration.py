@@ -28,6 +28,14 @@ class VisGroup(Group):
     )
     MaxFeatures: int = param(1000, "Key points per image.", unit="features", ge=1)
     MinInliers: int = param(20, "Fewest inliers of an accepted registration.", unit="inliers", ge=4)
+    CorNNType: int = param(
+        1,
+        "6 lets the LightGlue network match where there is no guess; 0 to 5, RTAB-Map's ways to search nearest"
+        " neighbours, all mean the exact search, both ways.",
+        ge=0,
+        le=6,
+        effect=_SESSION,
+    )
     CorNNDR: float = param(0.8, "Ratio of nearest to second nearest descriptor of a match.", ge=0, le=1)
     CorGuessWinSize: int = param(40, "Search window around a projected point.", unit="px", ge=1)
     Iterations: int = param(300, "RANSAC iterations.", ge=1)

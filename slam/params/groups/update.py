@@ -68,6 +68,9 @@ class MemGroup(Group):
         False, "A node that looks like the last one adds weight to it only when the robot has not moved."
     )
     BadSignaturesIgnored: bool = param(False, "Nodes with too few words are not kept.")
+    ReduceGraph: bool = param(
+        False, "A node that leaves short-term memory becomes part of the older one that a loop ties it to."
+    )
     RecentWmRatio: float = param(0.2, "Newest share of working memory that never goes to long-term memory.", ge=0, le=1)
     UseOdomFeatures: bool = param(
         True, "Make words from odometry's key points where Vis/FeatureType is Kp/DetectorStrategy."
@@ -137,6 +140,13 @@ class RGBDGroup(Group):
         3.0,
         "A loop is refused when a link's residual exceeds this many sigmas; 0 is off.",
         unit="sigma",
+        ge=0,
+    )
+    OptimizeMaxErrorRepairRadius: float = param(
+        0.0,
+        "When an old loop link is twice in a row what refuses new loops, it goes instead, and with it the loop links"
+        " that end within this radius of its ends; approved and hand-made ones stay; 0 is off.",
+        unit="m",
         ge=0,
     )
     StartAtOrigin: bool = param(

@@ -68,7 +68,7 @@ def too_new(path: Path) -> Path:
 
 
 def too_old(path: Path) -> Path:
-    return changed(path, "UPDATE Admin SET version = '0.11.13'")
+    return changed(path, "UPDATE Admin SET version = '0.4.9'")
 
 
 def no_version(path: Path) -> Path:
@@ -89,8 +89,8 @@ BAD: tuple[tuple[Callable[[Path], Path], str], ...] = (
     (other_sqlite, "no such table: Admin"),
     (two_admins, "Admin has 2 rows, and exactly one is right"),
     (no_admin_row, "Admin has 0 rows, and exactly one is right"),
-    (too_new, "RTAB-Map 0.24.0, which is too new: versions 0.18 to 0.23 can be read"),
-    (too_old, "RTAB-Map 0.11.13, which is too old: versions 0.18 to 0.23 can be read"),
+    (too_new, "RTAB-Map 0.24.0, which is too new: versions 0.5 to 0.23 can be read"),
+    (too_old, "RTAB-Map 0.4.9, which is too old: versions 0.5 to 0.23 can be read"),
     (no_version, "no version of RTAB-Map"),
     (cut_off, "the file is damaged or cut off: copy it again"),
 )

@@ -55,6 +55,16 @@ def test_distance_counts_links_and_takes_short_cuts() -> None:
     assert graph.within(1, 2) == {1: 0, 2: 1, 10: 1, 3: 2, 9: 2}
 
 
+def test_a_way_has_the_fewest_links() -> None:
+    graph = chain(6)
+    assert graph.way(2, 6) == [2, 3, 4, 5, 6]
+    graph.add_link(link(6, 3, LinkType.GLOBAL_CLOSURE))
+    assert graph.way(2, 6) == [2, 3, 6]
+    assert graph.way(4, 4) == [4]
+    graph.add_node(9, 0, np.eye(4), np.eye(4))
+    assert graph.way(2, 9) == graph.way(9, 2) == graph.way(2, 77) == []
+
+
 def test_follow_makes_loops_free_and_proximity_links_walls() -> None:
     graph = chain(10)
     graph.add_link(link(8, 1, LinkType.GLOBAL_CLOSURE))

@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slam.graph.graph import PoseGraph
+from slam.memory.immunity import Immunity
 from slam.memory.long_term import RamMemory
 from slam.memory.memory import Memory
-from slam.memory.transfer import choose_transfer, immunized
+from slam.memory.transfer import choose_transfer
 from slam.params import Params, Value
 from tests.nodes import add_place, at, join, random_descriptors
 
@@ -41,15 +42,12 @@ def chosen(
     best_id: int = 0,
     last_loop_id: int = 0,
 ) -> list[int]:
-    return choose_transfer(
-        memory,
-        graph,
-        retrieved=retrieved or [],
-        elapsed_ms=elapsed_ms,
-        best_id=best_id,
-        last_loop_id=last_loop_id,
-        params=params,
-    )
+    immune = immunized(memory, graph, best_id, last_loop_id, params)
+    return choose_transfer(memory, immune=immune, retrieved=retrieved or [], elapsed_ms=elapsed_ms, params=params)
+
+
+def immunized(memory: Memory, graph: PoseGraph, best_id: int, last_loop_id: int, params: Params) -> frozenset[int]:
+    return Immunity.of(memory, graph, graph, best_id, last_loop_id, params).ids
 
 
 def params_with(**changes: Value) -> Params:
@@ -119,12 +117,28 @@ def test_neighbours_in_time_of_the_hypothesis_stay() -> None:
     assert immunized(memory, graph, 4, 0, params) == {10}, "a hypothesis that is not in working memory"
 
 
-@pytest.mark.parametrize(("radius", "kept"), [(10.0, {1, 2, 8}), (1.5, {1, 8}), (0.5, {8})])
+@pytest.mark.parametrize(("radius", "kept"), [(10.0, {1, 2, 4, 8}), (1.5, {1, 4, 8}), (0.5, {8})])
 def test_the_closest_stay_within_the_radius(radius: float, kept: set[int]) -> None:
-    params = params_with(RGBD_LocalImmunizationRatio=0.25, RGBD_LocalRadius=radius)
+    params = params_with(RGBD_LocalImmunizationRatio=0.5, RGBD_LocalRadius=radius)
     memory, graph = walked(10, params)
     graph.poses[10] = at(0.0)  # the robot is back where it began: 1 is 1 m away, 2 is 2 m
+    join(graph, 1, 4)
+    join(graph, 4, 8)  # the way from 1 to the robot leads over 4 and 8
     assert immunized(memory, graph, 0, 0, params) == kept
+
+
+def test_those_on_the_way_from_the_nearest_come_before_the_closest() -> None:
+    params = params_with(RGBD_LocalImmunizationRatio=0.4, RGBD_LocalRadius=10.0)
+    memory, graph = walked(10, params)
+    graph.poses[10] = at(0.0)
+    found = Immunity.of(memory, graph, graph, 0, 0, params)
+    assert (found.locally, found.most_locally) == ({1, 2, 3}, 3), "no loop: the way back leads over all"
+    join(graph, 1, 6)
+    join(graph, 6, 9)
+    found = Immunity.of(memory, graph, graph, 0, 0, params)
+    assert found.locally == {1, 6, 2}
+    assert found.lately == {8, 6}
+    assert found.globally == set()
 
 
 @settings(max_examples=60, deadline=None)

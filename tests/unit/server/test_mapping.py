@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -13,6 +14,7 @@ from typing import Any
 import pytest
 
 from slam.database import MapReader
+from tests.tours import saved
 from tests.unit.server.running import RunningApp, StartApp
 
 #: The engine compiles itself when it first runs on a machine, which a busy one takes long for.
@@ -151,3 +153,21 @@ def test_decisions_while_mapping_go_to_the_engine_itself(run: RunningApp) -> Non
     answer = run.post("/api/maps/flat/decisions", json={"action": "undo"})
     assert answer.status_code == 409 and answer.json()["error"]["code"] == "decision"
     assert run.get("/api/session").json()["state"] == "running"
+
+
+def test_a_map_that_is_there_gets_a_session_and_is_localised_in(app: RunningApp, tmp_path: Path) -> None:
+    shutil.copy(saved(0), tmp_path / "maps" / "room.db")
+    # Somebody has just decided something: the process that holds the map for decisions must let go of it.
+    app.post("/api/maps/room/decisions", json={"action": "undo"})
+    source = "tour:width=320,height=240,fps=2,frames=6"
+    begun = app.post("/api/session", json={"source": source, "map": "room", "mode": "append"})
+    assert begun.status_code == 200, begun.text
+    assert wait_for(app, lambda state: state["state"] == "finished")["map"] == "room"
+    info = MapReader(tmp_path / "maps" / "room.db").info()
+    assert len(info.sources) == 2
+    app.post("/api/session", json={"source": source, "map": "room", "mode": "localize"})
+    wait_for(app, lambda state: state["state"] == "finished")
+    after = MapReader(tmp_path / "maps" / "room.db").info()
+    assert after.nodes == info.nodes
+    missing = app.post("/api/session", json={"source": source, "map": "none", "mode": "append"})
+    assert missing.status_code == 404

@@ -198,3 +198,10 @@ def test_maps_that_rtabmap_wrote_are_read_alike(shared_data: Path, start_app: St
     assert link["chi2"] is not None and link["explanation"]
     matched = get(client, f"/api/maps/cpp_0.23.8_toyroom/links/{first['from']}/{first['to']}/matches")
     assert sum(matched["inlier"]) > 20
+
+
+def test_parameters_with_few_values_name_them(client: RunningApp) -> None:
+    found = {entry["name"]: entry for entry in get(client, "/api/maps/loops/parameters")["parameters"]}
+    assert {"value": 8, "label": "8 GFTT/ORB"} in found["Vis/FeatureType"]["choices"]
+    assert [choice["value"] for choice in found["BRIEF/Bytes"]["choices"]] == [16, 32, 64]
+    assert found["Rtabmap/LoopThr"]["choices"] == []

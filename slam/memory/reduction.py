@@ -1,0 +1,48 @@
+"""Graph reduction (``Mem/ReduceGraph``): a place that was seen before stays one node."""
+
+from __future__ import annotations
+
+from slam.database import Reduction
+from slam.geometry import between
+from slam.graph.composition import composed
+from slam.graph.graph import PoseGraph
+from slam.memory.memory import Memory
+from slam.types import Link, LinkType
+
+
+def reduction(node_id: int, memory: Memory, graph: PoseGraph) -> Reduction | None:
+    """How a node that leaves short-term memory becomes part of an older one; None when no loop ties it to one in RAM.
+
+    Its neighbours are linked with the older node instead, and so is what other loops tie it to, each over the loop: the
+    covariances of both links add up. Where it is tied to several older nodes the oldest takes it in.
+
+    Args:
+        node_id: the node; with a label or an intermediate one it must not be asked for.
+        memory: the tiers.
+        graph: nodes in RAM with their links.
+    """
+    links = graph.neighbors(node_id)
+    older = [i for i, link in links.items() if link.type.is_loop and i < node_id and _is_place(i, memory)]
+    if not older:
+        return None
+    into = min(older)
+    loop = links[into]
+    moved = (_over(loop, link, into, node_id, other) for other, link in sorted(links.items()) if other != into)
+    return Reduction(
+        node_id=node_id,
+        into=into,
+        T_into_node=between(graph.poses[into], graph.poses[node_id]),
+        links=tuple(link for link in moved if link.pair not in graph.links),
+    )
+
+
+def _is_place(node_id: int, memory: Memory) -> bool:
+    return node_id in memory.nodes and memory.weights[node_id] >= 0
+
+
+def _over(loop: Link, link: Link, into: int, middle: int, other: int) -> Link:
+    """The link of another node with the one that takes the middle one in, from the newer to the older."""
+    kind = link.type if link.type.is_loop else LinkType.NEIGHBOR_MERGED
+    if other > into:
+        return composed(link, loop, other, middle, into, kind)
+    return composed(loop, link, into, middle, other, kind)
