@@ -9,7 +9,9 @@ import typer
 from server.cli.demo import demo
 from server.cli.export import export
 from server.cli.info import info
+from server.cli.merge import merge
 from server.cli.params import params
+from server.cli.recover import recover
 from server.cli.reprocess import reprocess
 from server.cli.run import run
 from server.cli.serve import serve
@@ -41,5 +43,5 @@ def options(
     """RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct."""
 
 
-for command in (demo, run, serve, info, reprocess, export, params):
+for command in (demo, run, serve, info, reprocess, merge, recover, export, params):
     app.command()(command)

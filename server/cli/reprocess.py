@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as json_format
+from collections.abc import Callable
 from contextlib import ExitStack
 from enum import StrEnum
 from pathlib import Path
@@ -52,14 +53,13 @@ def reprocess(
         seed=seed,
         force=force,
     )
-    show(run_with_bar(request), db, as_json=json)
+    show(run_with_bar(tool.reprocess, request), db, as_json=json)
 
 
-def run_with_bar(request: Any) -> dict[str, Any]:
-    """Reprocess with a progress bar on stderr."""
+def run_with_bar(carry_out: Callable[..., dict[str, Any]], request: Any) -> dict[str, Any]:
+    """Carry out a replay with a progress bar on stderr."""
     from server.cli.progress import progress
     from slam.run import Tally
-    from slam.tools.reprocess import reprocess as carry_out
     from slam.types import Update
 
     with ExitStack() as stack:

@@ -13,7 +13,7 @@ from slam.errors import DatabaseError, MapBusyError
 
 _ADVICE = (
     ("disk is full", "; all that was in the map is kept: free some space"),
-    ("malformed", "; the file is damaged or cut off: copy it again, or repair it with `sqlite3 FILE .recover`"),
+    ("malformed", "; the file is damaged or cut off: copy it again, or save what is left with `slamdeck recover`"),
     ("not a database", "; a map file of RTAB-Map or slamdeck is needed"),
     ("readonly", "; the file and its folder must be writable"),
     ("unable to open", "; the file and its folder must be accessible"),

@@ -16,6 +16,7 @@ from slam.database.data_rows import EncodedData
 from slam.database.decision import write_decision
 from slam.database.file_check import check_file, check_writable_version
 from slam.database.frame_rows import insert_frames
+from slam.database.link_rows import insert_link
 from slam.database.lock import MapLock, locked
 from slam.database.new_file import create_file
 from slam.database.node_record import KnownIds
@@ -123,6 +124,13 @@ class MapWriter:
         """Change weights of nodes."""
         with self._transaction("changing weights") as connection:
             update_weights(connection, weights)
+
+    def add_links(self, links: Iterable[Link]) -> None:
+        """Add links; DatabaseError where a node does not exist or there is a link already."""
+        with self._transaction("adding links") as connection:
+            for link in links:
+                self._known.check_link(link)
+                insert_link(connection, link)
 
     def label_nodes(self, labels: Mapping[int, str]) -> None:
         """Give nodes labels; DatabaseError where a node does not exist or another one has the label."""

@@ -87,11 +87,13 @@ def reprocess(request: Request, on_frame: OnFrame | None = None) -> dict[str, An
     replay = Replay(readers, with_features=keeps, with_words=words)
     with new_map(request.output, request.inputs, force=request.force) as part:
         summary, ids = _mapped(replay, params, part, request, on_frame)
+        sessions = _sessions(MapReader(part), ids, replay, len(readers))
         carried, unsettled = _by_hand(part, readers, ids, params)
         summary["db_mb"] = round(part.stat().st_size / 1e6, 3)
     return {
         **summary,
         "inputs": [str(path) for path in request.inputs],
+        "sessions": sessions,
         "replayed": len(replay.ids),
         "not_in_the_map": len(replay.ids) - len(ids),
         "features": str(Whose.STORED if replay.with_features else Whose.OWN),
@@ -141,6 +143,18 @@ def _mapped(
                 on_frame(update, tally, total)
         slam.close()
     return tally.summary(slam, seed=request.seed, path=part), ids
+
+
+def _sessions(reader: MapReader, ids: NewIds, replay: Replay, files: int) -> list[list[int]]:
+    """The sessions of the new map that each file became."""
+    table = reader.nodes()
+    map_id_of = dict(zip(table.ids.tolist(), table.map_ids.tolist(), strict=True))
+    found: list[set[int]] = [set() for _ in range(files)]
+    for old in replay.ids:
+        new_id = ids.get(old.file, old.node_id)
+        if new_id is not None:
+            found[old.file].add(map_id_of[new_id])
+    return [sorted(one) for one in found]
 
 
 def _by_hand(part: Path, readers: Sequence[MapReader], ids: NewIds, params: Params) -> tuple[Carried, list[str]]:

@@ -16,6 +16,7 @@ from slam.params import Params
 from slam.tools.reprocess import Request, Whose, reprocess
 from slam.types import Link, LinkType
 from tests.tours import mapped, saved
+from tests.unit.database.old_files import Version, write_old
 
 BEST, VALUE = "Loop/Highest_hypothesis_id/", "Loop/Highest_hypothesis_value/"
 
@@ -145,6 +146,17 @@ def test_nodes_without_images_keep_their_key_points(tmp_path: Path) -> None:
     assert new.node(3).image_bytes == new.node(3).depth_bytes == 0
     assert new.node(3).words == MapReader(source).node(3).words > 0
     assert new.node(3).has_grid
+
+
+@pytest.mark.parametrize("version", [(0, 6, 0), (0, 10, 7), (0, 17, 0)])
+def test_old_files_come_up_to_todays_schema(tmp_path: Path, version: Version) -> None:
+    old = MapReader(write_old(tmp_path / "old.db", version))
+    new, summary = again(old.path, tmp_path)
+    assert new.info().version == "0.20.0" and summary["nodes"] == 3
+    assert new.image(1) == old.image(1) and new.camera(1).fx == old.camera(1).fx
+    scans = new.scan(1), old.scan(1)
+    assert scans[0] is not None and scans[1] is not None
+    np.testing.assert_allclose(scans[0].points_base, scans[1].points_base, atol=1e-6)
 
 
 def test_no_output_is_overwritten_and_no_input_touched(tmp_path: Path) -> None:

@@ -56,7 +56,7 @@ def test_the_server_starts_without_what_draws_and_meshes() -> None:
 
 def test_every_command_is_listed() -> None:
     text = slamdeck("--help").stdout
-    assert all(name in text for name in ("demo", "run", "serve", "info", "reprocess", "export", "params"))
+    assert all(name in text for name in ("demo", "run", "info", "reprocess", "merge", "recover", "export", "params"))
 
 
 def test_without_a_command_the_help_is_shown() -> None:
@@ -100,6 +100,16 @@ def test_poses_are_exported(a_map: Path, tmp_path: Path) -> None:
         out = tmp_path / f"poses.{format}"
         assert slamdeck("export", a_map, "--poses", out, "--format", format).returncode == 0
         assert out.read_text().startswith(first) and len(out.read_text().splitlines()) >= NODES
+
+
+def test_tools_make_maps_and_replace_none_unasked(a_map: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new.db"
+    made = json.loads(slamdeck("reprocess", a_map, "--db", out, "-p", "Rtabmap/LoopThr=0.3", "--json").stdout)
+    assert made["nodes"] == NODES and made["db_mb"] > 0
+    assert "--force" in refusal("recover", a_map, "--db", out)
+    saved = json.loads(slamdeck("recover", a_map, "--db", out, "--force", "--json").stdout)
+    assert saved["is_whole"] and saved["rows"]["Node"] == NODES
+    assert "two or more" in refusal("merge", a_map, "--db", tmp_path / "all.db")
 
 
 def test_a_run_prints_one_object_and_the_same_twice(tmp_path: Path) -> None:
