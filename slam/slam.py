@@ -177,6 +177,8 @@ class Slam:
                 return self._dismiss(frame, odometry, node, None)
             if self.params.Mem.RehearsalWeightIgnoredWhileMoving:
                 rehearsal = None
+            if self._writer is not None:
+                self._writer.expect_images(frame.image_bgr, frame.depth_m)
             node = equipped(node, frame, self.params, clock)
             neighbor = self._insert(node, clock)
             gravity = self._level(node, frame)

@@ -12,7 +12,7 @@ from sqlalchemy import Column, Connection, func, insert, select
 from slam.camera import Camera
 from slam.database.blobs import pack_row, unpack_matrix
 from slam.database.calibration import pack_camera, unpack_cameras
-from slam.database.images import encode_color, encode_depth
+from slam.database.encoder import ImageEncoder
 from slam.database.records import NodeRecord
 from slam.database.scans import pack_scan, unpack_scan
 from slam.database.tables import data
@@ -36,13 +36,13 @@ class EncodedData:
     scan_info: bytes | None
 
     @classmethod
-    def of(cls, record: NodeRecord, params: Params) -> EncodedData:
+    def of(cls, record: NodeRecord, params: Params, encoder: ImageEncoder) -> EncodedData:
         """Encode images and calibration by ``Mem/ImageCompressionFormat`` and ``Mem/DepthCompressionFormat``."""
         image, depth = record.image_bgr, record.depth_m
         scan, info = (None, None) if record.node.scan is None else pack_scan(record.node.scan)
         return cls(
-            image=None if image is None else encode_color(image, params.Mem.ImageCompressionFormat),
-            depth=None if depth is None else encode_depth(depth, params.Mem.DepthCompressionFormat),
+            image=None if image is None else encoder.color(image, params.Mem.ImageCompressionFormat),
+            depth=None if depth is None else encoder.depth(depth, params.Mem.DepthCompressionFormat),
             calibration=pack_camera(record.node.camera),
             scan=scan,
             scan_info=info,
