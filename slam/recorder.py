@@ -41,6 +41,11 @@ class Recorder:
             for name in changes:
                 self._writer.parameter_change(node_id, name, params.get(name))
 
+    def expect(self, frame: Frame) -> None:
+        """This frame's node is written next: its images are encoded meanwhile."""
+        if self._writer is not None and frame.stored is None:
+            self._writer.expect_images(frame.image_bgr, frame.depth_m)
+
     def approved(self) -> set[Pair]:
         """Loops that somebody said are true."""
         journal = [] if self._writer is None else MapReader(self._writer.path).journal()

@@ -148,6 +148,7 @@ class Slam:
                 return self._dismiss(frame, odometry, node, None)
             if self.params.Mem.RehearsalWeightIgnoredWhileMoving:
                 rehearsal = None
+            self._recorder.expect(frame)
             node = equipped(node, frame, self.params, clock)
             left = self.memory.add(node, self.params)
             neighbor = self._insert(node, clock)

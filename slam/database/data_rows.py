@@ -14,8 +14,8 @@ from sqlalchemy import Column, Connection, func, insert, select
 from slam.camera import Camera
 from slam.database.blobs import NOTHING, pack_row, unpack_matrix
 from slam.database.calibration import pack_camera, unpack_cameras, unpack_rig
+from slam.database.encoder import ImageEncoder
 from slam.database.image_size import claimed_size
-from slam.database.images import encode_color, encode_depth
 from slam.database.records import NodeRecord
 from slam.database.scans import pack_scan, unpack_scan
 from slam.database.tables import data
@@ -39,7 +39,7 @@ class EncodedData:
     scan_info: bytes | None
 
     @classmethod
-    def of(cls, record: NodeRecord, params: Params) -> EncodedData:
+    def of(cls, record: NodeRecord, params: Params, encoder: ImageEncoder) -> EncodedData:
         """Encode images and calibration by ``Mem/ImageCompressionFormat`` and ``Mem/DepthCompressionFormat``."""
         stored = {} if record.stored is None else record.stored.data
         image = None if "image" in stored else record.image_bgr
@@ -47,8 +47,8 @@ class EncodedData:
         scan = None if "scan" in stored else record.node.scan
         cloud, info = (None, None) if scan is None else pack_scan(scan)
         return cls(
-            image=None if image is None else encode_color(image, params.Mem.ImageCompressionFormat),
-            depth=None if depth is None else encode_depth(depth, params.Mem.DepthCompressionFormat),
+            image=None if image is None else encoder.color(image, params.Mem.ImageCompressionFormat),
+            depth=None if depth is None else encoder.depth(depth, params.Mem.DepthCompressionFormat),
             calibration=None if "calibration" in stored else pack_camera(record.node.camera),
             scan=cloud,
             scan_info=info,

@@ -52,7 +52,7 @@ def decode_rvl(blob: bytes) -> NDArray[np.uint16]:
     return pixels.reshape(height, width)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _put(words: NDArray[np.uint32], at: int, value: int) -> int:
     """Append a number at nibble ``at``; the nibble after it."""
     while True:
@@ -69,7 +69,7 @@ def _put(words: NDArray[np.uint32], at: int, value: int) -> int:
             return at
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _compress(pixels: NDArray[np.int32], words: NDArray[np.uint32]) -> int:
     at, i, previous, n = 0, 0, 0, len(pixels)
     while i < n:
@@ -90,7 +90,7 @@ def _compress(pixels: NDArray[np.int32], words: NDArray[np.uint32]) -> int:
     return (at + 7) >> 3
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _get(words: NDArray[np.int64], at: int) -> tuple[int, int]:
     """Number at nibble ``at`` and the nibble after it; -1 when the words end before it or it is too large."""
     value, bits = 0, 0
@@ -104,7 +104,7 @@ def _get(words: NDArray[np.int64], at: int) -> tuple[int, int]:
     return -1, at
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _decompress(words: NDArray[np.int64], pixels: NDArray[np.uint16]) -> bool:
     at, i, previous, n = 0, 0, 0, len(pixels)
     while i < n:

@@ -8,12 +8,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import Connection
 
 from slam.database import admin_rows, node_record, pose_rows, session_rows, time_enter
 from slam.database.connection import close_plainly, open_for_writing
 from slam.database.data_rows import EncodedData
 from slam.database.decision import write_decision
+from slam.database.encoder import ImageEncoder
 from slam.database.file_check import check_file, check_writable_version
 from slam.database.frame_rows import insert_frames
 from slam.database.link_rows import insert_link
@@ -45,6 +48,7 @@ class MapWriter:
         self._lock = lock
         self._map_id: int | None = None
         self._params = Params()
+        self._encoder = ImageEncoder()
         self._memory_stamp = ""
         with refusing(path, "opening for writing"):
             self._connection = open_for_writing(path, _check_version)
@@ -100,6 +104,10 @@ class MapWriter:
         self._params, self._map_id = params, map_id
         return map_id
 
+    def expect_images(self, image_bgr: NDArray[np.uint8], depth_m: NDArray[np.float32]) -> None:
+        """Tells which images the next node will have, so that another thread encodes them until then."""
+        self._encoder.begin(image_bgr, depth_m, self._params)
+
     def add_node(self, record: NodeRecord) -> None:
         """Add a node with its data and everything that its update changed.
 
@@ -109,7 +117,7 @@ class MapWriter:
         doing = f"adding node {record.node.id}"
         with refusing(self.path, doing):
             self._known.check(record, self.map_id)
-            encoded = EncodedData.of(record, self._params)
+            encoded = EncodedData.of(record, self._params, self._encoder)
         with self._transaction(doing) as connection:
             node_record.insert_record(connection, record, encoded, self._memory_stamp)
         self._known.add(record)
@@ -201,6 +209,7 @@ class MapWriter:
         """
         if self._connection.closed:
             return
+        self._encoder.close()
         try:
             with refusing(self.path, "closing"):
                 close_plainly(self._connection)

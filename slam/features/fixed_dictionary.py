@@ -111,7 +111,7 @@ class FixedDictionary:
         return np.asarray(_nearest_of_all(pack(np.asarray(descriptors)), pack(np.asarray(self._words.descriptors))))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _nearest_of_all(descriptors: NDArray[np.uint64], words: NDArray[np.uint64]) -> NDArray[np.int32]:
     rows = np.empty(len(descriptors), np.int32)
     for i in range(len(descriptors)):

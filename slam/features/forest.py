@@ -49,7 +49,7 @@ def grown(trees: Trees, size: int) -> Trees:
     return larger
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _drawn(random: Random, below: int) -> int:
     """A number from 0 to ``below`` - 1 (xorshift, Marsaglia 2003); the state moves on."""
     state = random[0]
@@ -60,7 +60,7 @@ def _drawn(random: Random, below: int) -> int:
     return int((state >> np.uint64(33)) % np.uint64(below))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _cut_axis(members: Ints, words: Floats, random: Random) -> tuple[int, float]:
     """One of the most varied components of these words and its mean; -1 when all of them are equal."""
     width = words.shape[1]
@@ -80,7 +80,7 @@ def _cut_axis(members: Ints, words: Floats, random: Random) -> tuple[int, float]
     return (int(axis), means[axis]) if variances[axis] > 0.0 else (-1, 0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _split(tree: int, leaf: int, words: Floats, trees: Trees, random: Random) -> None:
     axes, cuts, children, heads, fills, chain, counts = trees
     members = np.empty(fills[tree, leaf], np.int32)
@@ -102,7 +102,7 @@ def _split(tree: int, leaf: int, words: Floats, trees: Trees, random: Random) ->
         fills[tree, child] += 1
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _insert(descriptor: Floats, row: int, words: Floats, alive: Bools, trees: Trees, random: Random) -> None:
     axes, cuts, children, heads, fills, chain, _ = trees
     words[row] = descriptor
@@ -118,14 +118,14 @@ def _insert(descriptor: Floats, row: int, words: Floats, alive: Bools, trees: Tr
             _split(tree, node, words, trees, random)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def insert_all(descriptors: Floats, first: int, words: Floats, alive: Bools, trees: Trees, random: Random) -> None:
     """Takes in words from row ``first`` on."""
     for k in range(len(descriptors)):
         _insert(descriptors[k], first + k, words, alive, trees, random)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _push(bounds: Floats, places: Ints, size: int, bound: float, place: int) -> int:
     """Adds a branch to a heap whose top has the least bound; a full heap refuses."""
     if size == len(bounds):
@@ -138,7 +138,7 @@ def _push(bounds: Floats, places: Ints, size: int, bound: float, place: int) -> 
     return size + 1
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _pop(bounds: Floats, places: Ints, size: int) -> int:
     """Takes the top off a heap."""
     size -= 1
@@ -156,7 +156,7 @@ def _pop(bounds: Floats, places: Ints, size: int) -> int:
     return size
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def assign(
     descriptors: Floats,
     words: Floats,

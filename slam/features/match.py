@@ -117,18 +117,21 @@ def _match_near(
             continue
         cx, cy = int(np.floor(u / radius)), int(np.floor(v / radius))
         best, second, best_row = far, far, -1
+        left, right = max(0, cx - 1), min(cols, cx + 2)
+        if left >= right:
+            continue
         for y in range(max(0, cy - 1), min(rows, cy + 2)):
-            for x in range(max(0, cx - 1), min(cols, cx + 2)):
-                for k in range(starts[y * cols + x], starts[y * cols + x + 1]):
-                    row = cells[k]
-                    du, dv = pixels_to[row, 0] - u, pixels_to[row, 1] - v
-                    if du * du + dv * dv > radius * radius:
-                        continue
-                    d = distance(words_from[i], words_to[row])
-                    if d < best:
-                        best, second, best_row = d, best, row
-                    elif d < second:
-                        second = d
+            # The cells of a row lie one behind the other.
+            for k in range(starts[y * cols + left], starts[y * cols + right]):
+                row = cells[k]
+                du, dv = pixels_to[row, 0] - u, pixels_to[row, 1] - v
+                if du * du + dv * dv > radius * radius:
+                    continue
+                d = distance(words_from[i], words_to[row])
+                if d < best:
+                    best, second, best_row = d, best, row
+                elif d < second:
+                    second = d
         if best_row < 0 or best > limits[i] or best > ratio * second:
             continue
         if best < owner_distance[best_row]:

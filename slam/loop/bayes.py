@@ -90,7 +90,7 @@ def _adjacency(ids: Sequence[int], graph: PoseGraph) -> tuple[Ints, Ints, Ints]:
     return np.array(starts, np.int32), np.array(targets, np.int32), np.array(costs, np.int32)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _fill(matrix: Array, starts: Ints, targets: Ints, costs: Ints, values: Array) -> None:
     """Columns of real places: ``values`` by graph distance, what is missing goes to staying, then normalised."""
     count = len(starts) - 1

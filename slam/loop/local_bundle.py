@@ -12,7 +12,7 @@ from slam.camera import Camera
 from slam.features.match import match_all, match_near
 from slam.geometry import Pose, between, flattened, inverse, normalized, transform
 from slam.graph.graph import PoseGraph
-from slam.odometry.bundle import adjust
+from slam.loop.bundle import adjust
 from slam.params import Params
 from slam.registration.inlier_tests import missed
 from slam.registration.pnp import solve_pnp, spread_covariance

@@ -15,7 +15,7 @@ _FEWEST = 5
 Mask = NDArray[np.bool_]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def normals(
     z: NDArray[np.float32], x: NDArray[np.float32], y: NDArray[np.float32]
 ) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
@@ -80,7 +80,7 @@ def normals(
     return normal, found
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def grow_ground(flat: Mask, height: NDArray[np.float64], floor: float, band: float, max_step: float) -> Mask:
     """Cells reached from the floor over flat cells in steps of at most ``max_step`` metres of height.
 
@@ -115,7 +115,7 @@ def grow_ground(flat: Mask, height: NDArray[np.float64], floor: float, band: flo
     return ground
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def trace_rays(obstacle: Mask, row: float, col: float) -> Mask:
     """Cells that a ray from (row, col), in cells, passes on its way to each obstacle cell until it meets one."""
     h, w = obstacle.shape
@@ -134,7 +134,7 @@ def trace_rays(obstacle: Mask, row: float, col: float) -> Mask:
     return free
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def touch_cells(
     odds: NDArray[np.float32],
     last: NDArray[np.int32],

@@ -99,7 +99,10 @@ class FrameToMap:
         self._stamp, self._external = frame.stamp, frame.external
         rows = np.zeros(0, np.int32)
         view = View.still(features)
-        self._map.add_keyframe(self._T_odom_base, view, rows, rows, frame.camera, frame=self._frame, params=params)
+        exact = np.zeros((6, 6))
+        self._map.add_keyframe(
+            self._T_odom_base, exact, view, rows, rows, frame.camera, frame=self._frame, params=params
+        )
         covariance = np.eye(6) * UNKNOWN_VARIANCE
         return Odometry(self._T_odom_base, covariance, features, 0, with_depth, True, None, _ms(start))
 
@@ -188,8 +191,8 @@ class FrameToMap:
         self._map.seen(rows, features, feature_rows, self._frame)
         keyframe = track.agreed <= params.Odom.VisKeyFrameThr or track.agreed <= params.Odom.KeyFrameThr * len(features)
         if keyframe:
-            T_odom_base = self._map.add_keyframe(
-                T_odom_base, view, rows, feature_rows, frame.camera, frame=self._frame, params=params
+            self._map.add_keyframe(
+                T_odom_base, covariance, view, rows, feature_rows, frame.camera, frame=self._frame, params=params
             )
         # After a gap the motion covers several frames and predicts nothing.
         self._motion = between(self._T_odom_base, T_odom_base) if self._lost_frames == 0 else np.eye(4)

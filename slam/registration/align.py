@@ -17,7 +17,7 @@ _STILL = 1e-4
 _DAMPING = 1e-7
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def align(
     cells: Cells,
     normals: Array,
@@ -70,7 +70,7 @@ def align(
     return T
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _normal_equations(
     targets: Array, normals: Array, moved: Array, rows: NDArray[np.int64], squared: Array, farthest: float
 ) -> tuple[Array, Array]:

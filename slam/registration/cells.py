@@ -43,12 +43,12 @@ class Cells(NamedTuple):
     starts: Rows
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _cell(coordinate: float, size: float) -> int:
     return int(np.floor(coordinate / size))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _gap(x: float, y: float, z: float, cx: int, cy: int, cz: int, size: float) -> float:
     """Squared distance of a point from a cell, a hair too small, so that rounding leaves no neighbour out."""
     dx = max(0.0, cx * size - x, x - (cx + 1) * size)
@@ -57,12 +57,12 @@ def _gap(x: float, y: float, z: float, cx: int, cy: int, cz: int, size: float) -
     return 0.999999 * (dx * dx + dy * dy + dz * dz)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _key(x: int, y: int, z: int) -> int:
     return ((x + _MIDDLE) << (2 * _BITS)) | ((y + _MIDDLE) << _BITS) | (z + _MIDDLE)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _slot(keys: Rows, key: int) -> int:
     """The slot that holds a key, or the free one where it belongs."""
     mask = len(keys) - 1
@@ -74,7 +74,7 @@ def _slot(keys: Rows, key: int) -> int:
     return slot
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _assign(points: Array, size: float) -> tuple[Rows, Rows, Rows, int]:
     """Table of the cells in the order they are met: keys, numbers, the cell of each point, and how many there are."""
     slots = 16
@@ -93,7 +93,7 @@ def _assign(points: Array, size: float) -> tuple[Rows, Rows, Rows, int]:
     return keys, ids, cell_of, count
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def thinned(points: Array, size: float) -> Array:
     """The mean (M, 3) of the points (N, 3) in each cube of side ``size`` metres, in the order they are met."""
     _, _, cell_of, count = _assign(points, size)
@@ -105,7 +105,7 @@ def thinned(points: Array, size: float) -> Array:
     return sums / numbers.reshape(-1, 1)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def sort(points: Array, size: float) -> Cells:
     """The points (N, 3) by cubes of side ``size`` metres."""
     keys, ids, cell_of, count = _assign(points, size)
@@ -120,7 +120,7 @@ def sort(points: Array, size: float) -> Cells:
     return Cells(points, size, keys, ids, rows, starts)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def nearest(cells: Cells, queries: Array, radius: float) -> tuple[Rows, Array]:
     """Row of the nearest point within ``radius`` (at most the cells' size) of each query, -1 for none; its squared
     distance (M,), infinite for none.
@@ -149,7 +149,7 @@ def nearest(cells: Cells, queries: Array, radius: float) -> tuple[Rows, Array]:
     return found, squared
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def normals(cells: Cells, neighbours: int) -> Array:
     """Unit normals (N, 3) of the planes through each point's nearest ``neighbours``; NaN where there are too few.
 
@@ -167,7 +167,7 @@ def normals(cells: Cells, neighbours: int) -> Array:
     return normal
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _plane(points: Array, rows: Rows, count: int, normal: Array) -> None:
     """Fills in the unit normal of the plane through some points; leaves NaN where they lie on a line.
 
@@ -213,7 +213,7 @@ def _plane(points: Array, rows: Rows, count: int, normal: Array) -> None:
         normal[0], normal[1], normal[2] = scale * x1, scale * y1, scale * z1
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _closest(cells: Cells, x: float, y: float, z: float, rows: Rows, squared: Array) -> int:
     """Fills in the rows of the points nearest to a place, nearest first; returns how many there are."""
     points, most, count = cells.points, len(rows), 0

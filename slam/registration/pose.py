@@ -23,6 +23,10 @@ CHI2_PIXEL = 5.99
 CHI2_DEPTH = 7.81
 #: chi-squared of a point behind the camera, so that no step gains by pushing points there.
 _BEHIND = 1e4
+#: Descent ends where a step lowers the cost by less than this share: a fiftieth of a pose's sigma ...
+_LEAST_GAIN = 1e-6
+#: ... and a fifth of it where only outliers are looked for.
+_COARSE_GAIN = 1e-4
 
 Array = NDArray[np.float64]
 
@@ -91,6 +95,25 @@ def pose_jacobian(J: Array, p: Array, G: Array) -> None:
 
 
 @njit(cache=True, nogil=True)
+def point_jacobian(J: Array, R: Array, F: Array) -> None:
+    """Fills F (3, 3) = J R, the derivative by the point in the reference frame."""
+    for i in range(3):
+        for k in range(3):
+            F[i, k] = J[i, 0] * R[0, k] + J[i, 1] * R[1, k] + J[i, 2] * R[2, k]
+
+
+@njit(cache=True, nogil=True)
+def invert3(M: Array, out: Array) -> None:
+    """Inverse of a symmetric positive (3, 3) matrix by cofactors."""
+    a, b, c, d, e, f = M[0, 0], M[0, 1], M[0, 2], M[1, 1], M[1, 2], M[2, 2]
+    c00, c01, c02 = d * f - e * e, c * e - b * f, b * e - c * d
+    det = a * c00 + b * c01 + c * c02
+    out[0, 0], out[0, 1], out[0, 2] = c00 / det, c01 / det, c02 / det
+    out[1, 0], out[1, 1], out[1, 2] = c01 / det, (a * f - c * c) / det, (b * c - a * e) / det
+    out[2, 0], out[2, 1], out[2, 2] = c02 / det, (b * c - a * e) / det, (a * d - b * b) / det
+
+
+@njit(cache=True, nogil=True)
 def apply_tangent(R: Array, t: Array, tangent: Array) -> None:
     """(R, t) <- exp(tangent) (R, t), in place."""
     wx, wy, wz = tangent[3], tangent[4], tangent[5]
@@ -110,61 +133,69 @@ def apply_tangent(R: Array, t: Array, tangent: Array) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _limit(w: float) -> float:
+def limit(w: float) -> float:
+    """The chi2 that an inlier has at most, with or without depth."""
     return CHI2_PIXEL if np.isnan(w) else CHI2_DEPTH
 
 
 @njit(cache=True, nogil=True)
-def _cost(
-    R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, used: NDArray[np.bool_]
+def _linearised(
+    R: Array,
+    t: Array,
+    points: Array,
+    pixels: Array,
+    inverse_depth: Array,
+    intrinsics: Array,
+    used: NDArray[np.bool_],
+    H: Array,
+    b: Array,
 ) -> float:
-    """Sum of the Cauchy costs of the used points: far outliers hardly pull."""
-    r, p = np.zeros(3), np.zeros(3)
+    """Sum of the Cauchy costs of the used points (far outliers hardly pull), with their equations H (6, 6) and b (6,).
+
+    One pass gives both, as nearly every step is taken. Of the symmetric H the lower part is summed up.
+    """
+    H[:, :] = 0.0
+    b[:] = 0.0
+    r, p, J, G = np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((3, 6))
     total = 0.0
     for i in range(len(points)):
-        if used[i]:
-            w = inverse_depth[i]
-            chi2 = residual(R, t, points[i], pixels[i, 0], pixels[i, 1], w, intrinsics, r, p)
-            limit = _limit(w)
-            if chi2 < 0.0:
-                chi2 = _BEHIND
-            total += limit * np.log(1.0 + chi2 / limit)
+        if not used[i]:
+            continue
+        w = inverse_depth[i]
+        chi2, far = residual(R, t, points[i], pixels[i, 0], pixels[i, 1], w, intrinsics, r, p), limit(w)
+        if chi2 < 0.0:
+            total += far * np.log(1.0 + _BEHIND / far)
+            continue
+        total += far * np.log(1.0 + chi2 / far)
+        jacobian(p, not np.isnan(w), intrinsics, J)
+        pose_jacobian(J, p, G)
+        weight = 1.0 / (1.0 + chi2 / far)
+        for a in range(6):
+            g0, g1, g2 = weight * G[0, a], weight * G[1, a], weight * G[2, a]
+            b[a] += g0 * r[0] + g1 * r[1] + g2 * r[2]
+            for c in range(a + 1):
+                H[a, c] += g0 * G[0, c] + g1 * G[1, c] + g2 * G[2, c]
+    for a in range(6):
+        for c in range(a):
+            H[c, a] = H[a, c]
     return total
 
 
 @njit(cache=True, nogil=True)
-def _normal_equations(
-    R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, used: NDArray[np.bool_]
-) -> tuple[Array, Array]:
-    """(6, 6) and (6,) of the used points, weighted by Cauchy."""
-    H, b = np.zeros((6, 6)), np.zeros(6)
-    r, p, J, G = np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((3, 6))
-    for i in range(len(points)):
-        w = inverse_depth[i]
-        if not used[i]:
-            continue
-        chi2 = residual(R, t, points[i], pixels[i, 0], pixels[i, 1], w, intrinsics, r, p)
-        if chi2 < 0.0:
-            continue
-        jacobian(p, not np.isnan(w), intrinsics, J)
-        pose_jacobian(J, p, G)
-        weight = 1.0 / (1.0 + chi2 / _limit(w))
-        for a in range(6):
-            for k in range(3):
-                b[a] += weight * G[k, a] * r[k]
-            for c in range(6):
-                H[a, c] += weight * (G[0, a] * G[0, c] + G[1, a] * G[1, c] + G[2, a] * G[2, c])
-    return H, b
-
-
-@njit(cache=True, nogil=True)
 def _descend(
-    R: Array, t: Array, points: Array, pixels: Array, inverse_depth: Array, intrinsics: Array, used: NDArray[np.bool_]
+    R: Array,
+    t: Array,
+    points: Array,
+    pixels: Array,
+    inverse_depth: Array,
+    intrinsics: Array,
+    used: NDArray[np.bool_],
+    least_gain: float,
 ) -> tuple[Array, Array]:
-    """Levenberg-Marquardt: steps that don't lower the cost are taken back."""
-    cost = _cost(R, t, points, pixels, inverse_depth, intrinsics, used)
+    """Levenberg-Marquardt until a step gains less than this share of the cost; steps uphill are taken back."""
+    H, b, new_H, new_b = np.zeros((6, 6)), np.zeros(6), np.zeros((6, 6)), np.zeros(6)
+    cost = _linearised(R, t, points, pixels, inverse_depth, intrinsics, used, H, b)
     damping = 1e-6
-    H, b = _normal_equations(R, t, points, pixels, inverse_depth, intrinsics, used)
     for _ in range(15):
         damped: Array = H.copy()
         for a in range(6):
@@ -172,12 +203,12 @@ def _descend(
         step: Any = np.linalg.solve(damped, b)
         new_R, new_t = R.copy(), t.copy()
         apply_tangent(new_R, new_t, step)
-        new_cost = _cost(new_R, new_t, points, pixels, inverse_depth, intrinsics, used)
+        new_cost = _linearised(new_R, new_t, points, pixels, inverse_depth, intrinsics, used, new_H, new_b)
         if new_cost < cost:
-            done = cost - new_cost < 1e-6 * cost
+            done = cost - new_cost < least_gain * cost
             R, t, cost = new_R, new_t, new_cost
+            H, new_H, b, new_b = new_H, H, new_b, b
             damping = max(1e-9, damping * 0.1)
-            H, b = _normal_equations(R, t, points, pixels, inverse_depth, intrinsics, used)
             if done:
                 break
         else:
@@ -193,12 +224,13 @@ def _refine(
 ) -> tuple[Array, NDArray[np.bool_]]:
     inliers = np.ones(len(points), np.bool_)
     r, p = np.zeros(3), np.zeros(3)
-    for _ in range(rounds):
-        R, t = _descend(R, t, points, pixels, inverse_depth, intrinsics, inliers)
+    for k in range(rounds):
+        least_gain = _LEAST_GAIN if k == rounds - 1 else _COARSE_GAIN
+        R, t = _descend(R, t, points, pixels, inverse_depth, intrinsics, inliers, least_gain)
         for i in range(len(points)):
             w = inverse_depth[i]
             chi2 = residual(R, t, points[i], pixels[i, 0], pixels[i, 1], w, intrinsics, r, p)
-            inliers[i] = chi2 >= 0.0 and chi2 <= _limit(w)
+            inliers[i] = chi2 >= 0.0 and chi2 <= limit(w)
     T = np.eye(4)
     T[:3, :3] = R
     T[:3, 3] = t

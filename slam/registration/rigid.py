@@ -57,7 +57,7 @@ def solve_rigid(
     return normalized(make(R, t)), inliers
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def fit(to: Array, of: Array) -> tuple[Array, Array]:
     """Rotation and translation that take ``of`` (N, 3) nearest to ``to`` (N, 3) (Umeyama 1991, without scale)."""
     mean_to, mean_of, C = np.zeros(3), np.zeros(3), np.zeros((3, 3))
@@ -73,14 +73,14 @@ def fit(to: Array, of: Array) -> tuple[Array, Array]:
     return R, mean_to - R @ mean_of
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _squared(to: Array, of: Array, R: Array, t: Array) -> Array:
     gap: Array = to - of @ R.T - t
     squared: Array = (gap * gap).sum(axis=1)
     return squared
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _ransac(
     to: Array, of: Array, R: Array, t: Array, distance: float, iterations: int
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
@@ -109,7 +109,7 @@ def _ransac(
     return R, t, best
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _refine(
     to: Array, of: Array, R: Array, t: Array, inliers: NDArray[np.bool_], distance: float, rounds: int
 ) -> tuple[Array, Array, NDArray[np.bool_]]:

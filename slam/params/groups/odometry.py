@@ -36,5 +36,12 @@ class OdomF2MGroup(Group):
     """Frame-to-map odometry."""
 
     MaxSize: int = param(2000, "Points in the local map.", unit="points", ge=100)
-    BundleAdjustment: int = param(0, "Adjust key frames and points together: 0 off, 1 on.", ge=0, le=1)
-    BundleAdjustmentMaxFrames: int = param(10, "Key frames that are adjusted together.", unit="frames", ge=2, le=50)
+    BundleAdjustment: int = param(
+        1,
+        "Adjust the points of the local map to the key frames that see them, whose poses are held: 0 off, 1 on.",
+        ge=0,
+        le=1,
+    )
+    BundleAdjustmentMaxFrames: int = param(
+        10, "Key frames that a point is adjusted to; what older ones saw of it fades.", unit="frames", ge=2, le=50
+    )

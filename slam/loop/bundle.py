@@ -1,4 +1,4 @@
-"""Local bundle adjustment: key-frame poses and points together, by Levenberg-Marquardt with a Schur complement.
+"""Bundle adjustment: poses and points together, by Levenberg-Marquardt with a Schur complement.
 
 The points are eliminated from the normal equations, so that only six unknowns a key frame are solved densely
 (Triggs et al. 2000, section 6.1).
@@ -10,13 +10,22 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from slam.registration.pose import CHI2_DEPTH, CHI2_PIXEL, apply_tangent, jacobian, pose_jacobian, residual
+from slam.registration.pose import (
+    CHI2_DEPTH,
+    apply_tangent,
+    invert3,
+    jacobian,
+    limit,
+    point_jacobian,
+    pose_jacobian,
+    residual,
+)
 
 Array = NDArray[np.float64]
 _HUBER2 = CHI2_DEPTH
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def adjust(
     poses: Array,
     points: Array,
@@ -78,7 +87,7 @@ def adjust(
     return poses, points, inliers, before, cost
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def total_cost(
     poses: Array,
     points: Array,
@@ -110,7 +119,7 @@ def total_cost(
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _normal_equations(
     poses: Array,
     points: Array,
@@ -135,9 +144,7 @@ def _normal_equations(
         weight = 1.0 if chi2 <= _HUBER2 else np.sqrt(_HUBER2 / chi2)
         jacobian(p, not np.isnan(w), intrinsics, J)
         pose_jacobian(J, p, G)
-        for a in range(3):
-            for c in range(3):
-                F[a, c] = J[a, 0] * R[0, c] + J[a, 1] * R[1, c] + J[a, 2] * R[2, c]
+        point_jacobian(J, R, F)
         for a in range(6):
             for m in range(3):
                 bp[k, a] += weight * G[m, a] * r[m]
@@ -153,18 +160,7 @@ def _normal_equations(
     return A, bp, C, bc, W
 
 
-@njit(cache=True)
-def _invert3(M: Array, out: Array) -> None:
-    """Inverse of a symmetric positive (3, 3) matrix by cofactors."""
-    a, b, c, d, e, f = M[0, 0], M[0, 1], M[0, 2], M[1, 1], M[1, 2], M[2, 2]
-    c00, c01, c02 = d * f - e * e, c * e - b * f, b * e - c * d
-    det = a * c00 + b * c01 + c * c02
-    out[0, 0], out[0, 1], out[0, 2] = c00 / det, c01 / det, c02 / det
-    out[1, 0], out[1, 1], out[1, 2] = c01 / det, (a * f - c * c) / det, (b * c - a * e) / det
-    out[2, 0], out[2, 1], out[2, 2] = c02 / det, (b * c - a * e) / det, (a * d - b * b) / det
-
-
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _solve(
     A: Array,
     bp: Array,
@@ -197,7 +193,7 @@ def _solve(
         damped[:, :] = C[j]
         for a in range(3):
             damped[a, a] += damping * C[j, a, a] + 1e-6
-        _invert3(damped, inverses[j])
+        invert3(damped, inverses[j])
         for o in range(start, end):
             k = obs_pose[o]
             for a in range(6):
@@ -233,7 +229,7 @@ def _solve(
     return step_pose, step_point
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _inliers(
     poses: Array,
     points: Array,
@@ -250,5 +246,5 @@ def _inliers(
         chi2 = residual(
             T[:3, :3], T[:3, 3], points[obs_point[o]], obs_pixel[o, 0], obs_pixel[o, 1], w, intrinsics, r, p
         )
-        inliers[o] = chi2 >= 0.0 and chi2 <= (CHI2_PIXEL if np.isnan(w) else CHI2_DEPTH)
+        inliers[o] = chi2 >= 0.0 and chi2 <= limit(w)
     return inliers

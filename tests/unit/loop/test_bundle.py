@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from slam.geometry import Array, Pose, between, inverse, rotation_angle, translation_norm
-from slam.odometry.bundle import adjust, total_cost
+from slam.loop.bundle import adjust, total_cost
 from tests.scenes import CAMERA, INTRINSICS, nudged, random_pose
 
 quickly = settings(max_examples=15, deadline=None)
