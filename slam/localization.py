@@ -70,7 +70,7 @@ class Localization(Slam):
             # Where it was believed to be says nothing any more: it may have been carried away.
             self._loops = LoopDetector()
         with clock.stage("Timing/Memory_update/ms"):
-            node, _ = self._make_node(frame, odometry)
+            node, _ = self._maker.make(frame, odometry, self.params, anew=self._restarted)
             if not began and self.localized and self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, None)
             motion = None if began or self._last is None else self._motion.link(self._last, node)
@@ -81,7 +81,7 @@ class Localization(Slam):
             transferred = self._tiers.transfer(belief.place, retrieved, clock.elapsed_ms, self.params)
         self._last = node
         self._motion.begin()
-        self._newest_id, self._map_id = node.id, node.map_id
+        self._maker.keep(node)
         self._hang(frame, odometry)
         facts = Facts(
             node,

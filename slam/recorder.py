@@ -9,7 +9,7 @@ from slam.maps.grid_layer import GridLayer
 from slam.memory.tiers import Tiers
 from slam.params import Params, Value
 from slam.tracked import TrackedFrames
-from slam.types import Frame, Link, LocalGrid, Update
+from slam.types import WEIGHT_INTERMEDIATE, Frame, Link, LocalGrid, Update
 
 
 class Recorder:
@@ -54,11 +54,12 @@ class Recorder:
         if self._writer is None or update.node is None:
             return
         memory, node = self._tiers.memory, update.node
+        seen = node.weight != WEIGHT_INTERMEDIATE or params.Mem.IntermediateNodeDataKept
         record = NodeRecord(
             node=node,
             update=update,
-            image_bgr=frame.image_bgr,
-            depth_m=frame.depth_m,
+            image_bgr=frame.image_bgr if seen else None,
+            depth_m=frame.depth_m if seen else None,
             links=tuple(link for link in links if self._tiers.graph.has(*link.pair)),
             reductions=reductions,
             words=words,

@@ -12,20 +12,18 @@ from slam.clock import StageClock
 from slam.database import MapReader, MapWriter, Reduction, WordRows
 from slam.errors import ParameterError
 from slam.features.dictionary_file import open_dictionary
-from slam.features.words import NodeFeatures
 from slam.geometry import Pose, inverse
 from slam.graph.graph import PoseGraph
-from slam.loop.closing import close, limited
-from slam.loop.detector import LoopDetector
-from slam.loop.likelihood import WordBag
+from slam.loop.closing import Closed, close, limited
+from slam.loop.detector import Belief, LoopDetector
 from slam.maps.grid_layer import GridLayer
 from slam.memory.long_term import DatabaseMemory, RamMemory
 from slam.memory.memory import Memory
 from slam.memory.past import Past
-from slam.memory.rehearsal import Rehearsal, moved, rehearse
-from slam.memory.signature import too_few_words
-from slam.memory.tiers import Tiers
+from slam.memory.rehearsal import Rehearsal, apart, moved, rehearse
+from slam.memory.tiers import Tiers, Transfer
 from slam.motion import Motion
+from slam.node_maker import NodeMaker
 from slam.odometry.strategy import make_tracker
 from slam.params import Effect, Params, Value, spec
 from slam.recorder import Recorder
@@ -33,7 +31,7 @@ from slam.registration.refining import Neighbor, refine
 from slam.registration.scan import equipped
 from slam.statistics import Facts, describe
 from slam.tracked import TrackedFrames
-from slam.types import Frame, Link, LinkType, Node, Odometry, TrackedFrame, Update
+from slam.types import WEIGHT_INTERMEDIATE, Frame, Link, LinkType, LocalGrid, Node, Odometry, TrackedFrame, Update
 
 
 class Slam:
@@ -68,12 +66,11 @@ class Slam:
         self.graph = PoseGraph() if past is None else past.graph
         dictionary = open_dictionary(params, seed=seed, map_path=None if writer is None else writer.path)
         self.memory = Memory(long_term, seed=seed, dictionary=dictionary) if past is None else past.memory
-        self._newest_id = 0 if past is None else past.last_id
-        self._map_id = 0 if writer is None else writer.map_id
+        newest_id, map_id = 0 if past is None else past.last_id, 0 if writer is None else writer.map_id
+        self._maker = NodeMaker(self.memory, newest_id, map_id)
         self._odometry = make_tracker(params)
         self._motion = Motion()
         self._tracked = TrackedFrames([] if past is None else past.frames)
-        self._node_features = NodeFeatures()
         self._tiers = Tiers(self.memory, self.graph)
         self._active = self._tiers.active
         self._loops = LoopDetector()
@@ -95,6 +92,8 @@ class Slam:
         odometry = self._odometry.track(frame, self.params)
         self._motion.collect(frame, odometry, self.params)
         if not self._due(frame, odometry):
+            if self._is_on_the_way(odometry):
+                return self._keep_between(frame, odometry)
             self._hang(frame, odometry)
             return self._between_updates(frame, odometry)
         self._motion.updated(frame)
@@ -111,7 +110,7 @@ class Slam:
             if spec(name).effect is not Effect.LIVE:
                 raise ParameterError(f"{name} takes effect with the {spec(name).effect.value}, not while mapping")
         self.params = params
-        self._recorder.params_changed(self._newest_id, changes, params)
+        self._recorder.params_changed(self._maker.newest_id, changes, params)
         return params
 
     def poses_changed(self) -> None:
@@ -137,11 +136,11 @@ class Slam:
     def _update(self, frame: Frame, odometry: Odometry) -> Update:
         clock = StageClock()
         with clock.stage("Timing/Memory_update/ms"):
-            node, words = self._make_node(frame, odometry)
+            node, words = self._maker.make(frame, odometry, self.params, anew=self._restarted)
             rehearsal = rehearse(node, self.memory, self.params)
-            if self._last is not None and not moved(self._last, node, self.params):
+            if self._stands(node, rehearsal):
                 return self._dismiss(frame, odometry, node, rehearsal)
-            if self._is_useless(node):
+            if self._maker.is_useless(node, self.params, begins=self._last is None):
                 return self._dismiss(frame, odometry, node, None)
             if self.params.Mem.RehearsalWeightIgnoredWhileMoving:
                 rehearsal = None
@@ -175,23 +174,73 @@ class Slam:
         facts = Facts(
             node, belief, closed, rehearsal, odometry, retrieved, transferred, self._motion.travelled_m, neighbor
         )
+        links = (*neighbor.links, *gravity, *closed.links)
+        return self._finish(frame, facts, clock, links, words, grid, reductions)
+
+    def _finish(
+        self,
+        frame: Frame,
+        facts: Facts,
+        clock: StageClock,
+        links: tuple[Link, ...],
+        words: WordRows,
+        grid: LocalGrid | None = None,
+        reductions: tuple[Reduction, ...] = (),
+    ) -> Update:
+        """Says what was done, and stores it."""
         update = Update(
             frame_index=frame.index,
             stamp=frame.stamp,
-            odometry=odometry,
-            T_map_base=self.graph.poses[node.id],
-            node=node,
-            weight=node.weight,
-            posterior=belief.posterior,
-            candidates=closed.candidates,
+            odometry=facts.odometry,
+            T_map_base=self.graph.poses[facts.node.id],
+            node=facts.node,
+            weight=facts.node.weight,
+            posterior=facts.belief.posterior,
+            candidates=facts.closed.candidates,
             tiers=self.memory.take_moves(),
-            optimized=closed.optimized,
+            optimized=facts.closed.optimized,
             statistics=describe(facts, self.memory, self._active.graph, self._correction, clock),
             time_ms=clock.elapsed_ms,
         )
-        links = (*neighbor.links, *gravity, *closed.links)
         self._recorder.write(frame, update, links, words, grid, reductions, self.params)
         return replace(update, time_ms=clock.elapsed_ms)
+
+    def _is_on_the_way(self, odometry: Odometry) -> bool:
+        """Whether a frame between two updates becomes an intermediate node (``Rtabmap/CreateIntermediateNodes``)."""
+        wanted = self.params.Rtabmap.CreateIntermediateNodes and self.params.Mem.IncrementalMemory
+        if not wanted or self._last is None or odometry.T_odom_base is None or not self._motion.goes_on:
+            return False
+        return apart(self._last.T_odom_base, odometry.T_odom_base, self.params)
+
+    def _keep_between(self, frame: Frame, odometry: Odometry) -> Update:
+        """A pose on the path between two places, with a link to the one before."""
+        clock = StageClock()
+        with clock.stage("Timing/Memory_update/ms"):
+            node = self._maker.make_between(frame, odometry)
+            self.memory.add_between(node)
+            neighbor = self._insert(node, clock)
+            self._active.mark_between(node.id)
+            gravity = self._level(node, frame)
+            self._last = node
+            self._motion.begin()
+            self._hang(frame, odometry)
+            self._tiers.follow(node.id, Closed())
+        facts = Facts(node, Belief(None), Closed(), None, odometry, [], Transfer(), self._motion.travelled_m, neighbor)
+        return self._finish(frame, facts, clock, (*neighbor.links, *gravity), WordRows.none())
+
+    def _stands(self, node: Node, rehearsal: Rehearsal | None) -> bool:
+        """Whether the robot has not moved since the last place, so that the frame is no new one.
+
+        After an intermediate node it may have come back to that place; then it stands if that looks the same.
+        """
+        if self._last is None:
+            return False
+        place = self._last
+        if place.weight == WEIGHT_INTERMEDIATE:
+            if rehearsal is None:
+                return False
+            place = self.memory.nodes[rehearsal.node_id]
+        return not moved(place, node, self.params)
 
     def _due(self, frame: Frame, odometry: Odometry) -> bool:
         return self._motion.due(frame, odometry, self.params)
@@ -212,48 +261,38 @@ class Slam:
     def _hang(self, frame: Frame, odometry: Odometry) -> None:
         self._tracked.hang(frame, odometry, self._last)
 
-    def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
-        assert odometry.T_odom_base is not None
-        features, best = self._node_features.of(frame, odometry.features, self.params)
-        word_ids, words = self.memory.quantize(features, self.params, best)
-        node = Node(
-            id=self._newest_id + 1,
-            map_id=self._map_id + int(self._last is not None and self._motion.restarted),
-            weight=0,
-            stamp=frame.stamp,
-            T_odom_base=odometry.T_odom_base,
-            features=features,
-            word_ids=word_ids,
-            camera=frame.camera,
-            T_world_base=frame.T_world_base,
-        )
-        return node, words
+    @property
+    def _restarted(self) -> bool:
+        """Whether odometry began anew since the last node, so that the next one begins a session."""
+        return self._last is not None and self._motion.restarted
 
     def _dismiss(self, frame: Frame, odometry: Odometry, node: Node, rehearsal: Rehearsal | None) -> Update:
-        """A frame of a place that is in the map already: the last node weighs more, this one is not kept."""
+        """A frame of a place that is in the map already: the last node weighs more, this one is not kept.
+
+        With intermediate nodes between both it becomes another of those.
+        """
         self.memory.forget_words(node)
         if rehearsal is not None:
             self.memory.set_weight(rehearsal.node_id, rehearsal.weight)
+            if self._last is not None and self._last.weight == WEIGHT_INTERMEDIATE:
+                return self._keep_between(frame, odometry)
         self._hang(frame, odometry)
         return self._between_updates(frame, odometry)
 
-    def _is_useless(self, node: Node) -> bool:
-        """Whether a node has too few words to be kept (``Mem/BadSignaturesIgnored``), or to begin a session with."""
-        begins = self._last is None and self.params.Rtabmap.StartNewMapOnGoodSignature
-        asked = begins or self.params.Mem.BadSignaturesIgnored
-        return asked and too_few_words(WordBag.of(node), self.memory, self.params) is not None
-
     def _insert(self, node: Node, clock: StageClock) -> Neighbor:
-        """Puts a node into graph and STM; returns its link to the node before it in the same session."""
-        last, started = self._last, self._motion.restarted and self._last is not None
+        """Puts a node into the graph; returns its link to the node before it in the same session."""
+        last, started = self._last, self._restarted
         self._active.add_node(node.id, node.map_id, node.T_odom_base, self._correction @ node.T_odom_base)
-        self._newest_id, self._map_id = node.id, node.map_id
+        self._maker.keep(node)
         if started:
             self._recorder.start_session(self.params)
         if last is None or started:
             self._tiers.labelled.add(node.id)
             return Neighbor()
         link = self._motion.link(last, node)
+        if WEIGHT_INTERMEDIATE in (last.weight, node.weight):
+            self._active.add_link(link)
+            return Neighbor(link)
         with clock.stage("Timing/Neighbor_link_refining/ms"):
             neighbor = refine(link, node, last, self.params)
         if neighbor.refined:

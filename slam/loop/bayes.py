@@ -81,7 +81,7 @@ def _adjacency(ids: Sequence[int], graph: PoseGraph) -> tuple[Ints, Ints, Ints]:
     row_of: Mapping[int, int] = {node_id: row for row, node_id in enumerate(ids)}
     starts, targets, costs = [0], [], []
     for node_id in ids:
-        for other, link in graph.neighbors(node_id).items():
+        for other, link in graph.places_beside(node_id):
             row = row_of.get(other)
             if row is not None and (link.type in _SAME_PLACE or link.type in _STEP):
                 targets.append(row)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from slam.geometry import between, so3_log
+from slam.geometry import Pose, between, so3_log
 from slam.loop.likelihood import WordBag, similarity
 from slam.memory.memory import Memory
 from slam.params import Params
@@ -33,10 +33,13 @@ def rehearse(node: Node, memory: Memory, params: Params) -> Rehearsal | None:
 
 
 def moved(last: Node, node: Node, params: Params) -> bool:
-    """Whether two nodes of a session are farther apart than ``RGBD/LinearUpdate`` or ``AngularUpdate``."""
-    if last.map_id != node.map_id:
-        return True
-    T_last_node = between(last.T_odom_base, node.T_odom_base)
-    far = bool((abs(T_last_node[:3, 3]) > params.RGBD.LinearUpdate).any())
-    turned = bool((abs(so3_log(T_last_node[:3, :3])) > params.RGBD.AngularUpdate).any())
+    """Whether two nodes are of two sessions, or ``apart``."""
+    return last.map_id != node.map_id or apart(last.T_odom_base, node.T_odom_base, params)
+
+
+def apart(T_odom_last: Pose, T_odom_now: Pose, params: Params) -> bool:
+    """Whether two poses of one odometry are farther apart than ``RGBD/LinearUpdate`` or ``AngularUpdate``."""
+    T_last_now = between(T_odom_last, T_odom_now)
+    far = bool((abs(T_last_now[:3, 3]) > params.RGBD.LinearUpdate).any())
+    turned = bool((abs(so3_log(T_last_now[:3, :3])) > params.RGBD.AngularUpdate).any())
     return far or turned

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from slam.database import Reduction
 from slam.errors import OptimizationError
@@ -30,8 +30,8 @@ _OFTEN = 50
 class Transfer:
     """The ids that went to long-term memory, and those that might not; none where memory has no bound."""
 
-    ids: Sequence[int]
-    immunity: Immunity
+    ids: Sequence[int] = ()
+    immunity: Immunity = field(default_factory=Immunity)
 
 
 class Tiers:
@@ -61,7 +61,7 @@ class Tiers:
 
     def restrict(self) -> None:
         """Makes the working graph anew: somebody changed the whole one."""
-        self.active.restrict(self.memory.ltm)
+        self.active.restrict(self.memory.with_between(sorted(self.memory.ltm)))
         self._places.put(self.graph.poses, sorted(self.memory.ltm))
 
     def reduce(self, node_ids: Iterable[int]) -> tuple[Reduction, ...]:
@@ -72,6 +72,7 @@ class Tiers:
             if found is not None:
                 weight = self.memory.weights[found.into] + self.memory.weights[node_id]
                 self.memory.set_weight(found.into, weight)
+                self.memory.hand_over(node_id, found.into)
                 self.memory.dismiss(node_id)
                 self.active.merge(node_id, found.into, found.links)
                 self._moved.discard(node_id)
@@ -85,21 +86,22 @@ class Tiers:
         )
         retrieved = self.memory.retrieve(chosen, params)
         self._places.drop(retrieved)
-        self.active.come_back(retrieved)
-        self._moved.update(retrieved)
+        together = self.memory.with_between(retrieved)
+        self.active.come_back(together)
+        self._moved.update(together)
         return retrieved
 
     def transfer(self, best_id: int, retrieved: list[int], elapsed_ms: float, params: Params) -> Transfer:
         """Moves what there is no time or room for to long-term memory."""
         if not is_bounded(params):
-            return Transfer([], Immunity())
+            return Transfer()
         immunity = Immunity.of(self.memory, self.graph, self.active.graph, best_id, self.last_loop, params)
         chosen = choose_transfer(
             self.memory, immune=immunity.ids, retrieved=retrieved, elapsed_ms=elapsed_ms, params=params
         )
         self.memory.transfer(chosen)
         self._places.put(self.graph.poses, chosen)
-        self.active.leave(chosen)
+        self.active.leave(self.memory.with_between(chosen))
         return Transfer(chosen, immunity)
 
     def follow(self, node_id: int, closed: Closed) -> None:

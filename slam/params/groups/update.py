@@ -44,6 +44,9 @@ class RtabmapGroup(Group):
     VirtualPlaceLikelihoodRatio: int = param(
         0, "Likelihood of a new place: 0 mean / deviation, 1 deviation / (max - mean).", ge=0, le=1
     )
+    CreateIntermediateNodes: bool = param(
+        False, "Keep moving frames between two updates as nodes without words, which no loop is looked for with."
+    )
     StartNewMapOnGoodSignature: bool = param(
         False, "A session begins with a node that has enough words; those before are not kept."
     )
@@ -68,6 +71,7 @@ class MemGroup(Group):
         False, "A node that looks like the last one adds weight to it only when the robot has not moved."
     )
     BadSignaturesIgnored: bool = param(False, "Nodes with too few words are not kept.")
+    IntermediateNodeDataKept: bool = param(False, "Store the images of intermediate nodes.")
     ReduceGraph: bool = param(
         False, "A node that leaves short-term memory becomes part of the older one that a loop ties it to."
     )
