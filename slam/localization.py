@@ -107,7 +107,7 @@ class Localization(Slam):
         self._let_go(node)
         update = replace(update, tiers=self.memory.take_moves(), time_ms=clock.elapsed_ms)
         if self.params.Mem.LocalizationDataSaved:
-            self._keep(frame, node, update)
+            self._store(frame, node, update)
         return update
 
     def _look(self, node: Node, motion: Link | None, clock: StageClock) -> tuple[Belief, list[int], list[Candidate]]:
@@ -129,7 +129,7 @@ class Localization(Slam):
         self._active.remove_node(node.id)
         self.memory.take_renamed()
 
-    def _keep(self, frame: Frame, node: Node, update: Update) -> None:
+    def _store(self, frame: Frame, node: Node, update: Update) -> None:
         """Stores what was seen as a node that is no part of the map (weight -9), with no loops to be decided about."""
         if self._writer is None:
             return

@@ -86,6 +86,14 @@ class Memory:
         """These nodes, each with the intermediate ones that follow it."""
         return [i for node_id in ids for i in (node_id, *self.between.get(node_id, ()))]
 
+    def make_between(self, node_id: int, follows: int) -> None:
+        """A node in RAM becomes an intermediate one, which follows another."""
+        self.hand_over(node_id, follows)
+        self.dismiss(node_id)
+        self.set_weight(node_id, WEIGHT_INTERMEDIATE)
+        self.between.setdefault(follows, []).append(node_id)
+        self._moved[node_id] = self.tier(follows)
+
     def hand_over(self, node_id: int, to_id: int) -> None:
         """The intermediate nodes that follow one node are with another from now on."""
         handed = self.between.pop(node_id, [])

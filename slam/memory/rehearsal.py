@@ -8,7 +8,7 @@ from slam.geometry import Pose, between, so3_log
 from slam.loop.likelihood import WordBag, similarity
 from slam.memory.memory import Memory
 from slam.params import Params
-from slam.types import Node
+from slam.types import WEIGHT_INTERMEDIATE, Node
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +30,29 @@ def rehearse(node: Node, memory: Memory, params: Params) -> Rehearsal | None:
         return None
     weight = memory.weights[last_id] + node.weight + 1
     return Rehearsal(last_id, alike, weight)
+
+
+def stands_still(last: Node | None, node: Node, rehearsal: Rehearsal | None, memory: Memory, params: Params) -> bool:
+    """Whether the robot has not moved since the last place, so that the frame is no new one.
+
+    After an intermediate node it may have come back to that place; then it stands if that looks the same.
+    """
+    if last is None or (last.weight == WEIGHT_INTERMEDIATE and rehearsal is None):
+        return False
+    if last.weight == WEIGHT_INTERMEDIATE and rehearsal is not None:
+        last = memory.nodes[rehearsal.node_id]
+    return not moved(last, node, params)
+
+
+def rehearsed(rehearsal: Rehearsal, memory: Memory, params: Params) -> int:
+    """Gives the older node its weight, or takes it away (``Mem/RehearsalIdUpdatedToNewOne``); the new one's weight."""
+    if not params.Mem.RehearsalIdUpdatedToNewOne:
+        memory.set_weight(rehearsal.node_id, rehearsal.weight)
+        return 0
+    # A node that was replaced is gone, or has become an intermediate one.
+    if memory.weights.get(rehearsal.node_id, -1) > 0:
+        memory.set_weight(rehearsal.node_id, 0)
+    return rehearsal.weight
 
 
 def moved(last: Node, node: Node, params: Params) -> bool:

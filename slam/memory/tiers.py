@@ -16,7 +16,7 @@ from slam.memory.active_graph import ActiveGraph
 from slam.memory.immunity import Immunity
 from slam.memory.memory import Memory
 from slam.memory.places import Places
-from slam.memory.reduction import reduction
+from slam.memory.reduction import reduction, replacement
 from slam.memory.retrieval import choose_retrieval
 from slam.memory.transfer import choose_transfer, is_bounded
 from slam.params import Params
@@ -72,12 +72,36 @@ class Tiers:
             if found is not None:
                 weight = self.memory.weights[found.into] + self.memory.weights[node_id]
                 self.memory.set_weight(found.into, weight)
-                self.memory.hand_over(node_id, found.into)
-                self.memory.dismiss(node_id)
-                self.active.merge(node_id, found.into, found.links)
-                self._moved.discard(node_id)
+                self._merge(found)
                 done.append(found)
         return tuple(done)
+
+    def replace(self, node_id: int, by: int) -> tuple[Reduction, ...]:
+        """The last node becomes part of a new one; or an intermediate one, where others lie between."""
+        if self.last_loop == node_id:
+            self.last_loop = by
+        if by not in self.active.graph.neighbors(node_id):
+            self.memory.make_between(node_id, by)
+            self.active.mark_between(node_id)
+            return ()
+        if node_id in self.labelled:
+            self.labelled.add(by)
+        found = replacement(node_id, by, self.active.graph)
+        self._merge(found)
+        return (found,)
+
+    def take_back(self, node_id: int) -> None:
+        """A new node is not kept after all."""
+        self.memory.dismiss(node_id)
+        self.active.remove_node(node_id)
+        self.labelled.discard(node_id)
+        self._moved.discard(node_id)
+
+    def _merge(self, found: Reduction) -> None:
+        self.memory.hand_over(found.node_id, found.into)
+        self.memory.dismiss(found.node_id)
+        self.active.merge(found.node_id, found.into, found.links)
+        self._moved.discard(found.node_id)
 
     def retrieve(self, node_id: int, best_id: int, params: Params) -> list[int]:
         """Brings back what belongs to the best hypothesis and to the place of a new node; the ids that came."""

@@ -50,6 +50,10 @@ class RtabmapGroup(Group):
     StartNewMapOnGoodSignature: bool = param(
         False, "A session begins with a node that has enough words; those before are not kept."
     )
+    StartNewMapOnLoopClosure: bool = param(
+        False,
+        "Beside a map that is there, a session begins with a node that a loop joins with it.",
+    )
     SaveWMState: bool = param(True, "Store the ids in working memory with each update's statistics.")
 
 
@@ -69,6 +73,9 @@ class MemGroup(Group):
     )
     RehearsalWeightIgnoredWhileMoving: bool = param(
         False, "A node that looks like the last one adds weight to it only when the robot has not moved."
+    )
+    RehearsalIdUpdatedToNewOne: bool = param(
+        False, "Of two nodes that rehearsal merges the newer stays, and takes the weight; else the older."
     )
     BadSignaturesIgnored: bool = param(False, "Nodes with too few words are not kept.")
     IntermediateNodeDataKept: bool = param(False, "Store the images of intermediate nodes.")

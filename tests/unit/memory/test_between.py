@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,20 +9,19 @@ import numpy as np
 import pytest
 
 from slam.database import MapReader, MapWriter
-from slam.geometry import inverse
 from slam.graph.graph import PoseGraph
 from slam.loop.bayes import transition_matrix
 from slam.memory.past import recall
-from slam.params import Params, Value
+from slam.params import Params
 from slam.run import ate_rmse_m
 from slam.slam import Slam
-from slam.types import UNKNOWN_VARIANCE, WEIGHT_INTERMEDIATE, Frame, LinkType, Odometry, Tier, Update
-from tests.ghosts import GhostOdometry, GhostWorld
+from slam.types import WEIGHT_INTERMEDIATE, LinkType, Tier, Update
+from tests.ghosts import GhostOdometry, GhostWorld, visited
 from tests.nodes import chain
 
 #: The frames come at 2 Hz: every second one is between two updates.
 PLACES, FRAMES = 50, 116
-PARAMS = Params().changed({"Rtabmap/DetectionRate": 1.0, "Rtabmap/CreateIntermediateNodes": True})
+BETWEEN = Params().changed({"Rtabmap/DetectionRate": 1.0, "Rtabmap/CreateIntermediateNodes": True})
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @cache
 def lapped(folder: Path, room: int = 0, kept: bool = False, count: int = FRAMES) -> tuple[Slam, list[Update], Path]:
     world = GhostWorld(PLACES)
-    params = PARAMS.changed({"Rtabmap/MemoryThr": room, "Mem/IntermediateNodeDataKept": kept})
+    params = BETWEEN.changed({"Rtabmap/MemoryThr": room, "Mem/IntermediateNodeDataKept": kept})
     path = folder / f"{room}-{kept}.db"
     slam = Slam(params, MapWriter.create(path, params, seed=0, source="ghosts"), source="ghosts")
     slam._odometry = GhostOdometry(world)  # type: ignore[assignment]
@@ -117,38 +115,10 @@ def test_a_session_goes_on_with_them(folder: Path) -> None:
     assert PoseGraph.from_reader(MapReader(path)).between == slam.graph.between
 
 
-def seen(ks: list[int], **changes: Value) -> tuple[Slam, list[Update]]:
-    """Frames of these places, two a second; every second one is between two updates."""
-    world = GhostWorld(PLACES)
-    frames = list(world.frames(PLACES))
-    slam = Slam(PARAMS.changed({name.replace("_", "/"): value for name, value in changes.items()}))
-    slam._odometry = Placed(world, ks[0])  # type: ignore[assignment]
-    return slam, [slam.process(replace(frames[k], stamp=0.5 * n)) for n, k in enumerate(ks)]
-
-
-class Placed(GhostOdometry):
-    """Odometry without drift, wherever the robot goes."""
-
-    def __init__(self, world: GhostWorld, first: int) -> None:
-        super().__init__(world)
-        self._T_odom_world = inverse(world.T_world_base(first))
-        self._started = False
-
-    def track(self, frame: Frame, params: Params) -> Odometry:
-        """The true pose, counted from the first frame."""
-        odometry = super().track(replace(frame, index=frame.index + 1), params)
-        covariance = np.eye(6) * (1e-6 if self._started else UNKNOWN_VARIANCE)
-        self._started = True
-        T_odom_base = self._T_odom_world @ self._world.T_world_base(frame.index)
-        return replace(
-            odometry, T_odom_base=T_odom_base, features=self._world.features(frame.index), covariance=covariance
-        )
-
-
 def test_back_at_the_last_place_a_frame_is_one_more_of_them() -> None:
-    slam, updates = seen([5, 6, 5])
+    slam, updates = visited([5, 6, 5], BETWEEN)
     assert [None if u.node is None else u.weight for u in updates] == [0, -1, -1]
     assert slam.memory.weights == {1: 1, 2: -1, 3: -1}, "the place weighs more"
-    slam, updates = seen([5, 5, 5])
+    slam, updates = visited([5, 5, 5], BETWEEN)
     assert [u.node is not None for u in updates] == [True, False, False], "a robot that stands makes none"
     assert slam.memory.weights == {1: 1}
