@@ -120,6 +120,9 @@ class BayesGroup(Group):
     PredictionLC: str = param(
         _PREDICTION, "Transition: virtual place, same place, then graph distance 1, 2, ...", effect=_SESSION
     )
+    FullPredictionUpdate: bool = param(
+        False, "Work out the whole transition at each update, not only what changed; the belief is the same."
+    )
     VirtualPlacePriorThr: float = param(0.9, "Probability that a new place is followed by a new place.", ge=0, le=1)
 
     @field_validator("PredictionLC")

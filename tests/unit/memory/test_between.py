@@ -10,7 +10,7 @@ import pytest
 
 from slam.database import MapReader, MapWriter
 from slam.graph.graph import PoseGraph
-from slam.loop.bayes import transition_matrix
+from slam.loop.transition import transition_matrix
 from slam.memory.past import recall
 from slam.params import Params
 from slam.run import ate_rmse_m
