@@ -70,7 +70,7 @@ class Localization(Slam):
             # Where it was believed to be says nothing any more: it may have been carried away.
             self._loops = LoopDetector()
         with clock.stage("Timing/Memory_update/ms"):
-            node, _ = self._make_node(frame, odometry)
+            node, _ = self._maker.make(frame, odometry, self.params, anew=self._restarted)
             if not began and self.localized and self._last is not None and not moved(self._last, node, self.params):
                 return self._dismiss(frame, odometry, node, None)
             motion = None if began or self._last is None else self._motion.link(self._last, node)
@@ -81,7 +81,7 @@ class Localization(Slam):
             transferred = self._tiers.transfer(belief.place, retrieved, clock.elapsed_ms, self.params)
         self._last = node
         self._motion.begin()
-        self._newest_id, self._map_id = node.id, node.map_id
+        self._maker.keep(node)
         self._hang(frame, odometry)
         facts = Facts(
             node,
@@ -107,7 +107,7 @@ class Localization(Slam):
         self._let_go(node)
         update = replace(update, tiers=self.memory.take_moves(), time_ms=clock.elapsed_ms)
         if self.params.Mem.LocalizationDataSaved:
-            self._keep(frame, node, update)
+            self._store(frame, node, update)
         return update
 
     def _look(self, node: Node, motion: Link | None, clock: StageClock) -> tuple[Belief, list[int], list[Candidate]]:
@@ -129,7 +129,7 @@ class Localization(Slam):
         self._active.remove_node(node.id)
         self.memory.take_renamed()
 
-    def _keep(self, frame: Frame, node: Node, update: Update) -> None:
+    def _store(self, frame: Frame, node: Node, update: Update) -> None:
         """Stores what was seen as a node that is no part of the map (weight -9), with no loops to be decided about."""
         if self._writer is None:
             return

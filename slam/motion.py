@@ -33,6 +33,11 @@ class Motion:
         """Whether odometry began anew since the last node."""
         return bool(self.covariance[0, 0] >= UNKNOWN_VARIANCE)
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether odometry leads from the last node to this frame, at a speed that it may be kept at."""
+        return not (self.restarted or self._too_fast)
+
     def collect(self, frame: Frame, odometry: Odometry, params: Params) -> None:
         """Keeps the largest covariance since the last node: frames share the local map, so errors don't add up."""
         if odometry.T_odom_base is not None and odometry.covariance[0, 0] > self.covariance[0, 0]:

@@ -10,7 +10,7 @@ from slam.maps.grid_layer import GridLayer
 from slam.memory.tiers import Tiers
 from slam.params import Params, Value
 from slam.tracked import TrackedFrames
-from slam.types import Frame, Link, LocalGrid, Update
+from slam.types import WEIGHT_INTERMEDIATE, Frame, Link, LocalGrid, Update
 
 
 class Recorder:
@@ -66,11 +66,12 @@ class Recorder:
         if self._writer is None or update.node is None:
             return
         memory, node = self._tiers.memory, update.node
+        seen = node.weight != WEIGHT_INTERMEDIATE or params.Mem.IntermediateNodeDataKept
         record = NodeRecord(
             node=node,
             update=update,
-            image_bgr=frame.image_bgr if frame.image_bgr.size else None,
-            depth_m=frame.depth_m if frame.depth_m.size else None,
+            image_bgr=frame.image_bgr if seen and frame.image_bgr.size else None,
+            depth_m=frame.depth_m if seen and frame.depth_m.size else None,
             stored=frame.stored,
             links=tuple(link for link in links if self._tiers.graph.has(*link.pair)),
             removed_links=tuple((link.from_id, link.to_id) for link in removed),

@@ -2,161 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from slam.accuracy import frames_ate_m
 from slam.clock import StageClock
-from slam.database import MapReader, MapWriter, Reduction, WordRows
-from slam.errors import ParameterError
-from slam.features.dictionary_file import open_dictionary
-from slam.features.words import NodeFeatures
+from slam.database import Reduction, WordRows
 from slam.geometry import Pose, inverse
-from slam.graph.graph import PoseGraph
-from slam.loop.closing import LoopCloser, limited
-from slam.loop.detector import LoopDetector
-from slam.loop.likelihood import WordBag
-from slam.maps.grid_layer import GridLayer
-from slam.memory.long_term import DatabaseMemory, RamMemory
-from slam.memory.memory import Memory
-from slam.memory.past import Past
-from slam.memory.rehearsal import Rehearsal, moved, rehearse
-from slam.memory.signature import too_few_words
-from slam.memory.tiers import Tiers
-from slam.motion import Motion
-from slam.odometry.strategy import Tracker, make_tracker
-from slam.params import Effect, Params, Value, spec
-from slam.recorder import Recorder
+from slam.loop.closing import Closed, limited
+from slam.loop.detector import Belief
+from slam.memory.rehearsal import Rehearsal, apart, rehearse, rehearsed, stands_still
+from slam.memory.tiers import Transfer
 from slam.registration.refining import Neighbor, refine
 from slam.registration.scan import equipped
+from slam.session import Session
 from slam.statistics import Facts, describe
-from slam.tracked import TrackedFrames
-from slam.types import Frame, Link, LinkType, Node, Odometry, TrackedFrame, Update
+from slam.types import WEIGHT_INTERMEDIATE, Frame, Link, LinkType, LocalGrid, Node, Odometry, Update
 
 
-class Slam:
-    """An RGB-D graph SLAM engine; synchronous, and repeatable bit for bit for the same frames, parameters and seed.
-
-    Attributes:
-        params: in force now.
-        graph: all nodes and links with their optimised poses.
-        memory: the tiers.
-    """
-
-    def __init__(
-        self,
-        params: Params,
-        writer: MapWriter | None = None,
-        *,
-        seed: int = 0,
-        source: str = "",
-        past: Past | None = None,
-        tracker: Tracker | None = None,
-    ) -> None:
-        """An engine on an empty map, or on what earlier sessions left.
-
-        Args:
-            params: to start with.
-            writer: of a map file with this session begun; without one nothing is stored.
-            seed: of everything random.
-            source: what the frames come from, for the sessions that odometry begins anew.
-            past: the earlier sessions of that file; until a loop joins it, the new one is a graph of its own.
-            tracker: gives the frames their odometry; None for the one that the parameters name.
-        """
-        self.params = params
-        long_term = RamMemory() if writer is None else DatabaseMemory(MapReader(writer.path))
-        self.graph = PoseGraph() if past is None else past.graph
-        dictionary = open_dictionary(params, seed=seed, map_path=None if writer is None else writer.path)
-        self.memory = Memory(long_term, seed=seed, dictionary=dictionary) if past is None else past.memory
-        self._newest_id = 0 if past is None else past.last_id
-        self._map_id = 0 if writer is None else writer.map_id
-        self._odometry = make_tracker(params) if tracker is None else tracker
-        self._motion = Motion()
-        self._tracked = TrackedFrames([] if past is None else past.frames)
-        self._node_features = NodeFeatures()
-        self._tiers = Tiers(self.memory, self.graph)
-        self._active = self._tiers.active
-        self._loops = LoopDetector()
-        self._closer = LoopCloser()
-        self._grid = GridLayer(params, None if past is None else past.reader.local_grid)
-        self._recorder = Recorder(writer, self._tiers, self._tracked, self._grid, seed=seed, source=source)
-        self._last: Node | None = None
-
-    @property
-    def frames(self) -> list[TrackedFrame]:
-        """Every frame so far; each hangs on a node."""
-        return self._tracked.frames
-
-    def prepare(self, frame: Frame) -> None:
-        """May be called, from one other thread, with a frame that is processed soon: that is then done sooner."""
-        self._odometry.prepare(frame, self.params)
+class Slam(Session):
+    """An RGB-D graph SLAM engine; synchronous, and repeatable bit for bit for the same frames, parameters and seed."""
 
     def process(self, frame: Frame) -> Update:
         """Tracks a frame and, where it is due and somewhere new, makes it a node of the map."""
         odometry = self._odometry.track(frame, self.params)
         self._motion.collect(frame, odometry, self.params)
         if not self._due(frame, odometry):
+            if self._is_on_the_way(odometry):
+                return self._keep_between(frame, odometry)
             self._hang(frame, odometry)
             return self._between_updates(frame, odometry)
         self._motion.updated(frame)
         return self._update(frame, odometry)
 
-    def set_params(self, changes: Mapping[str, Value]) -> Params:
-        """Changes parameters from the next frame on; returns those in force.
-
-        Raises:
-            ParameterError: unknown, out of bounds, or not one that can change while mapping.
-        """
-        params = self.params.changed(changes)
-        for name in changes:
-            if spec(name).effect is not Effect.LIVE:
-                raise ParameterError(f"{name} takes effect with the {spec(name).effect.value}, not while mapping")
-        self.params = params
-        self._recorder.params_changed(self._newest_id, changes, params)
-        return params
-
-    def poses_changed(self) -> None:
-        """Somebody moved the graph's poses (a decision): the grid follows, and is stored."""
-        self._tiers.restrict()
-        self._grid.move(self.graph.poses)
-        self._recorder.save_grid()
-
-    def ate_m(self) -> float | None:
-        """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""
-        return frames_ate_m(self.frames, self.graph.poses, self.graph.links)
-
-    def close(self) -> None:
-        """Ends the session in order: what was put off is done, all is stored, the file is one plain file again."""
-        self._tiers.settle(self.params)
-        self._grid.move(self.graph.poses)
-        self._recorder.close(self.params)
-
-    def abandon(self) -> None:
-        """Lets go of a file that can't be written any more; what was stored stays sound."""
-        self._recorder.abandon()
-
     def _update(self, frame: Frame, odometry: Odometry) -> Update:
         clock = StageClock()
         with clock.stage("Timing/Memory_update/ms"):
-            node, words = self._make_node(frame, odometry)
+            node, words = self._maker.make(frame, odometry, self.params, anew=self._restarted)
             rehearsal = rehearse(node, self.memory, self.params)
-            if self._last is not None and not moved(self._last, node, self.params):
+            stands = stands_still(self._last, node, rehearsal, self.memory, self.params)
+            replaced = 0
+            if stands and rehearsal is not None and self.params.Mem.RehearsalIdUpdatedToNewOne:
+                replaced = rehearsal.node_id
+            elif stands:
                 return self._dismiss(frame, odometry, node, rehearsal)
-            if self._is_useless(node):
+            if self._maker.is_useless(node, self.params, begins=self._last is None):
                 return self._dismiss(frame, odometry, node, None)
-            if self.params.Mem.RehearsalWeightIgnoredWhileMoving:
+            if self.params.Mem.RehearsalWeightIgnoredWhileMoving and not stands:
                 rehearsal = None
             self._recorder.expect(frame)
             node = equipped(node, frame, self.params, clock)
             left = self.memory.add(node, self.params)
             neighbor = self._insert(node, clock)
-            reductions = self._reduce(left)
+            reductions = self._merge(node, left if neighbor.links else [], replaced)
             gravity = self._level(node, frame)
-            self._last = node
-            self._motion.begin()
-            self._hang(frame, odometry)
         belief = self._loops.recognize(node, self.memory, self._active.graph, self.params, clock)
         with clock.stage("Timing/Reactivation/ms"):
             retrieved = self._tiers.retrieve(node.id, belief.place, self.params)
@@ -166,9 +65,11 @@ class Slam:
                 tried = [limited(candidate, self._motion.surest) for candidate in tried]
             closed = self._closer.close(self._active.graph, tried, self.params, self._recorder.approved)
             self._tiers.follow(node.id, closed)
-            if rehearsal is not None:
-                self.memory.set_weight(rehearsal.node_id, rehearsal.weight)
-            node = replace(node, weight=self._tiers.weigh(node.id, node.weight, closed, self.params))
+            if self._waits_for_loop(neighbor, closed):
+                return self._take_back(frame, odometry, node)
+            weight = node.weight if rehearsal is None else rehearsed(rehearsal, self.memory, self.params)
+            node = replace(node, weight=self._tiers.weigh(node.id, weight, closed, self.params))
+            self._keep(frame, odometry, node)
         with clock.stage("TimingMem/Occupancy_grid/ms"):
             grid = self._grid.add(node.id, frame, self.graph.poses, self.params)
             if closed.optimized:
@@ -179,23 +80,57 @@ class Slam:
         facts = Facts(
             node, belief, closed, rehearsal, odometry, retrieved, transferred, self._motion.travelled_m, neighbor
         )
+        links = (*neighbor.links, *gravity, *closed.links)
+        return self._finish(frame, facts, clock, links, words, grid, reductions)
+
+    def _finish(
+        self,
+        frame: Frame,
+        facts: Facts,
+        clock: StageClock,
+        links: tuple[Link, ...],
+        words: WordRows,
+        grid: LocalGrid | None = None,
+        reductions: tuple[Reduction, ...] = (),
+    ) -> Update:
+        """Says what was done, and stores it."""
         update = Update(
             frame_index=frame.index,
             stamp=frame.stamp,
-            odometry=odometry,
-            T_map_base=self.graph.poses[node.id],
-            node=node,
-            weight=node.weight,
-            posterior=belief.posterior,
-            candidates=closed.candidates,
+            odometry=facts.odometry,
+            T_map_base=self.graph.poses[facts.node.id],
+            node=facts.node,
+            weight=facts.node.weight,
+            posterior=facts.belief.posterior,
+            candidates=facts.closed.candidates,
             tiers=self.memory.take_moves(),
-            optimized=closed.optimized,
+            optimized=facts.closed.optimized,
             statistics=describe(facts, self.memory, self._active.graph, self._correction, clock),
             time_ms=clock.elapsed_ms,
         )
-        links = (*neighbor.links, *gravity, *closed.links)
-        self._recorder.write(frame, update, links, closed.removed, words, grid, reductions, self.params)
+        self._recorder.write(frame, update, links, facts.closed.removed, words, grid, reductions, self.params)
         return replace(update, time_ms=clock.elapsed_ms)
+
+    def _is_on_the_way(self, odometry: Odometry) -> bool:
+        """Whether a frame between two updates becomes an intermediate node (``Rtabmap/CreateIntermediateNodes``)."""
+        wanted = self.params.Rtabmap.CreateIntermediateNodes and self.params.Mem.IncrementalMemory
+        if not wanted or self._last is None or odometry.T_odom_base is None or not self._motion.goes_on:
+            return False
+        return apart(self._last.T_odom_base, odometry.T_odom_base, self.params)
+
+    def _keep_between(self, frame: Frame, odometry: Odometry) -> Update:
+        """A pose on the path between two places, with a link to the one before."""
+        clock = StageClock()
+        with clock.stage("Timing/Memory_update/ms"):
+            node = self._maker.make_between(frame, odometry)
+            self.memory.add_between(node)
+            neighbor = self._insert(node, clock)
+            self._active.mark_between(node.id)
+            gravity = self._level(node, frame)
+            self._keep(frame, odometry, node)
+            self._tiers.follow(node.id, Closed())
+        facts = Facts(node, Belief(None), Closed(), None, odometry, [], Transfer(), self._motion.travelled_m, neighbor)
+        return self._finish(frame, facts, clock, (*neighbor.links, *gravity), WordRows.none())
 
     def _due(self, frame: Frame, odometry: Odometry) -> bool:
         return self._motion.due(frame, odometry, self.params)
@@ -214,51 +149,38 @@ class Slam:
         return None if odometry.T_odom_base is None else np.asarray(self._correction @ odometry.T_odom_base)
 
     def _hang(self, frame: Frame, odometry: Odometry) -> None:
-        self._tracked.hang(frame, odometry, self._last)
+        # Where odometry began anew nothing leads from the last node to the frame.
+        self._tracked.hang(frame, odometry, None if self._restarted else self._last)
 
-    def _make_node(self, frame: Frame, odometry: Odometry) -> tuple[Node, WordRows]:
-        assert odometry.T_odom_base is not None
-        features, best = self._node_features.of(frame, odometry.features, self.params)
-        adopted = None if frame.stored is None else self.memory.adopt(frame.stored)
-        word_ids, words = adopted or self.memory.quantize(features, self.params, best)
-        node = Node(
-            id=self._newest_id + 1,
-            map_id=self._map_id + int(self._last is not None and self._motion.restarted),
-            weight=0,
-            stamp=frame.stamp,
-            T_odom_base=odometry.T_odom_base,
-            features=features,
-            word_ids=word_ids,
-            camera=frame.camera,
-            T_world_base=frame.T_world_base,
-        )
-        return node, words
+    @property
+    def _restarted(self) -> bool:
+        """Whether odometry began anew since the last node, so that the next one begins a session."""
+        return self._last is not None and self._motion.restarted
 
     def _dismiss(self, frame: Frame, odometry: Odometry, node: Node, rehearsal: Rehearsal | None) -> Update:
-        """A frame of a place that is in the map already: the last node weighs more, this one is not kept."""
+        """A frame of a place that is in the map already: the last node weighs more, this one is not kept.
+
+        With intermediate nodes between both it becomes another of those.
+        """
         self.memory.forget_words(node)
         if rehearsal is not None:
             self.memory.set_weight(rehearsal.node_id, rehearsal.weight)
+            if self._last is not None and self._last.weight == WEIGHT_INTERMEDIATE:
+                return self._keep_between(frame, odometry)
         self._hang(frame, odometry)
         return self._between_updates(frame, odometry)
 
-    def _is_useless(self, node: Node) -> bool:
-        """Whether a node has too few words to be kept (``Mem/BadSignaturesIgnored``), or to begin a session with."""
-        begins = self._last is None and self.params.Rtabmap.StartNewMapOnGoodSignature
-        asked = begins or self.params.Mem.BadSignaturesIgnored
-        return asked and too_few_words(WordBag.of(node), self.memory, self.params) is not None
-
     def _insert(self, node: Node, clock: StageClock) -> Neighbor:
-        """Puts a node into graph and STM; returns its link to the node before it in the same session."""
-        last, started = self._last, self._motion.restarted and self._last is not None
+        """Puts a node into the graph; returns its link to the node before it in the same session."""
+        last, started = self._last, self._restarted
         self._active.add_node(node.id, node.map_id, node.T_odom_base, self._correction @ node.T_odom_base)
-        self._newest_id, self._map_id = node.id, node.map_id
-        if started:
-            self._recorder.start_session(self.params)
         if last is None or started:
             self._tiers.labelled.add(node.id)
             return Neighbor()
         link = self._motion.link(last, node)
+        if WEIGHT_INTERMEDIATE in (last.weight, node.weight):
+            self._active.add_link(link)
+            return Neighbor(link)
         with clock.stage("Timing/Neighbor_link_refining/ms"):
             neighbor = refine(link, node, last, self.params)
         if neighbor.refined:
@@ -267,15 +189,34 @@ class Slam:
             self._active.add_link(kept)
         return neighbor
 
-    def _reduce(self, left: list[int]) -> tuple[Reduction, ...]:
-        """Nodes that left STM become part of older ones that loops tie them to (``Mem/ReduceGraph``)."""
-        if not self.params.Mem.ReduceGraph:
-            return ()
-        reductions = self._tiers.reduce(left)
+    def _merge(self, node: Node, left: list[int], replaced: int) -> tuple[Reduction, ...]:
+        """Nodes that left STM become part of older ones (``Mem/ReduceGraph``), the last one perhaps of the new one."""
+        reductions = self._tiers.reduce(left) if self.params.Mem.ReduceGraph else ()
+        if replaced:
+            reductions += self._tiers.replace(replaced, node.id)
         for done in reductions:
             self._tracked.rehang(done.node_id, done.into, done.T_into_node)
             self._grid.leave_out(done.node_id)
         return reductions
+
+    def _waits_for_loop(self, neighbor: Neighbor, closed: Closed) -> bool:
+        """Whether a session may not begin with this node, for no loop joins it with the map that is there."""
+        begins = self.params.Rtabmap.StartNewMapOnLoopClosure and neighbor.link is None
+        return begins and bool(self.memory.wm) and not closed.links
+
+    def _take_back(self, frame: Frame, odometry: Odometry, node: Node) -> Update:
+        self._tiers.take_back(node.id)
+        self._hang(frame, odometry)
+        return self._between_updates(frame, odometry)
+
+    def _keep(self, frame: Frame, odometry: Odometry, node: Node) -> None:
+        """The node stays: what comes goes on from it."""
+        if self._restarted:
+            self._recorder.start_session(self.params)
+        self._maker.keep(node)
+        self._last = node
+        self._motion.begin()
+        self._hang(frame, odometry)
 
     def _level(self, node: Node, frame: Frame) -> tuple[Link, ...]:
         """Tells the graph what is known of a node alone: which way is up, and what the file that is replayed says."""

@@ -144,6 +144,8 @@ def _memory(facts: Facts, memory: Memory, graph: PoseGraph) -> dict[str, float]:
     return {
         "Memory/Short_time_memory_size/": float(len(memory.stm)),
         "Memory/Working_memory_size/": float(len(memory.wm)),
+        "Memory/Short_time_memory_inter_size/": float(len(memory.with_between(memory.stm)) - len(memory.stm)),
+        "Memory/Working_memory_inter_size/": float(len(memory.with_between(memory.wm)) - len(memory.wm)),
         "Memory/Long_term_memory_size/": float(len(memory.ltm)),
         "Memory/Local_graph_size/": float(len(graph)),
         "Memory/Signatures_removed/": float(len(facts.transferred.ids)),

@@ -65,7 +65,7 @@ def rename_words(connection: Connection, renamed: Mapping[int, Mapping[int, int]
     for node_id, words in renamed.items():
         # By row number: a search for each word would read all key points of the node each time, and could rename twice.
         query = select(text("rowid"), feature.c.word_id).where(feature.c.node_id == node_id)
-        rows = [(words[word], row) for row, word in connection.execute(query) if word in words]
+        rows = [(words[word], row) for row, word in connection.execute(query).all() if word in words]
         if rows:
             connection.exec_driver_sql("UPDATE Feature SET word_id = ? WHERE rowid = ?", rows)
 

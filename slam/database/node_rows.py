@@ -68,6 +68,14 @@ def update_labels(connection: Connection, labels: Mapping[int, str]) -> None:
             raise DatabaseError(f"label {label!r} can't be given to node {node_id}: there is no such node")
 
 
+def move_label(connection: Connection, from_id: int, to_id: int) -> None:
+    """Give a node the label of another one, which loses it; nothing happens where that has none."""
+    label = connection.scalar(select(node.c.label).where(node.c.id == from_id))
+    if label is not None:
+        for node_id, text in ((from_id, None), (to_id, label)):
+            connection.execute(update(node).where(node.c.id == node_id).values(label=text))
+
+
 def read_node_ids(connection: Connection) -> set[int]:
     """All ids, merged and dropped nodes included."""
     return set(connection.scalars(select(node.c.id)))

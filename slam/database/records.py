@@ -30,19 +30,21 @@ class WordRows:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Reduction:
-    """A node that became part of an older one, and is no node of the map any more.
+    """A node that became part of another one, and is no node of the map any more.
 
     Attributes:
         node_id: the node.
-        into: the older one.
+        into: the other one.
         T_into_node: (4, 4) where it was seen from there.
-        links: those that the older node got for it.
+        links: those that the other node got for it.
+        marked: rehearsal: its links go, a marker says what it was merged into, and its label goes there.
     """
 
     node_id: int
     into: int
     T_into_node: Pose
     links: tuple[Link, ...]
+    marked: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -37,7 +37,7 @@ def read_words(connection: Connection, only: Sequence[int] | None = None) -> Wor
     """The whole dictionary, or those of its words that are asked for; ascending by id."""
     query = select(word.c.id, word.c.descriptor_size, word.c.descriptor).order_by(word.c.id)
     parts = [query] if only is None else [query.where(word.c.id.in_(part)) for part in _parts(sorted(only))]
-    rows = [row for part in parts for row in connection.execute(part)]
+    rows = [row for part in parts for row in connection.execute(part).all()]
     ids, widths, raw = zip(*rows, strict=True) if rows else ((), (), ())
     return WordRows(np.array(ids, dtype=np.int32), read_descriptors(0, widths, raw))
 

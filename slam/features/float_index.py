@@ -11,23 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.features import forest
+from slam.features.growing_rows import FIRST_ROOM, GrowingRows
 from slam.types import Descriptors
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
 
 
-class FloatIndex:
+class FloatIndex(GrowingRows[np.float32]):
     """Descriptors (N, D) float32 in rows, with the trees that find the nearest two of a query."""
 
     def __init__(self, width: int, *, seed: int) -> None:
         self._random = np.array([seed % (1 << 32) + 1], np.uint64)
-        self.count = 0
-        self.descriptors: Floats = np.zeros((1024, width), np.float32)
-        self.alive = np.zeros(1024, np.bool_)
-        self._trees = forest.planted(1024)
-        self._stamps: Ints = np.zeros(1024, np.int32)
-        self._stamp = 0
+        super().__init__(width, np.float32)
+        self._trees = forest.planted(FIRST_ROOM)
 
     @staticmethod
     def packed(descriptors: Descriptors) -> Floats:
@@ -71,23 +68,8 @@ class FloatIndex:
         forest.insert_all(descriptors, self.count, self.descriptors, self.alive, self._trees, self._random)
         self.count += len(descriptors)
 
-    def compact(self) -> Ints:
-        """Lets the dead rows go; returns the old row of each new one."""
-        kept = np.flatnonzero(self.alive[: self.count]).astype(np.int32)
-        descriptors = self.descriptors[kept]
-        self.count = 0
-        self.alive[:] = False
+    def _forget(self) -> None:
         self._trees = forest.planted(len(self.alive))
-        self.append(descriptors)
-        return kept
 
-    def _reserve(self, size: int) -> None:
-        grown = len(self.alive)
-        while grown < size:
-            grown *= 2
-        if grown > len(self.alive):
-            more = grown - len(self.alive)
-            self.descriptors = np.pad(self.descriptors, ((0, more), (0, 0)))
-            self.alive = np.pad(self.alive, (0, more))
-            self._stamps = np.pad(self._stamps, (0, more))
-            self._trees = forest.grown(self._trees, grown)
+    def _grow(self, room: int) -> None:
+        self._trees = forest.grown(self._trees, room)

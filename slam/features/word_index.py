@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from slam.features.growing_rows import FIRST_ROOM, GrowingRows
 from slam.features.hamming import FAR, distance, pack
 from slam.types import Descriptors
 
@@ -24,19 +25,15 @@ Words = NDArray[np.uint64]
 Ints = NDArray[np.int32]
 
 
-class WordIndex:
+class WordIndex(GrowingRows[np.uint64]):
     """Packed descriptors (N, B / 8) in rows, with the tables that find the nearest two of a query."""
 
     def __init__(self, words: int, *, seed: int) -> None:
         self._bits = np.random.default_rng(seed).integers(0, 64 * words, (_TABLES, _KEY_BITS)).astype(np.int32)
         self._horizon = HORIZON * words // 4
-        self.count = 0
-        self.descriptors: Words = np.zeros((1024, words), np.uint64)
-        self.alive = np.zeros(1024, np.bool_)
-        self._next: Ints = np.zeros((_TABLES, 1024), np.int32)
+        super().__init__(words, np.uint64)
+        self._next: Ints = np.zeros((_TABLES, FIRST_ROOM), np.int32)
         self._heads: Ints = np.full((_TABLES, 1 << _KEY_BITS), -1, np.int32)
-        self._stamps: Ints = np.zeros(1024, np.int32)
-        self._stamp = 0
 
     @staticmethod
     def packed(descriptors: Descriptors) -> Words:
@@ -81,26 +78,11 @@ class WordIndex:
         _insert_all(descriptors, self.count, self.descriptors, self.alive, self._next, self._heads, self._bits)
         self.count += len(descriptors)
 
-    def compact(self) -> Ints:
-        """Lets the dead rows go; returns the old row of each new one."""
-        kept = np.flatnonzero(self.alive[: self.count]).astype(np.int32)
-        descriptors = self.descriptors[kept]
-        self.count = 0
-        self.alive[:] = False
+    def _forget(self) -> None:
         self._heads[:] = -1
-        self.append(descriptors)
-        return kept
 
-    def _reserve(self, size: int) -> None:
-        grown = len(self.alive)
-        while grown < size:
-            grown *= 2
-        if grown > len(self.alive):
-            more = grown - len(self.alive)
-            self.descriptors = np.pad(self.descriptors, ((0, more), (0, 0)))
-            self.alive = np.pad(self.alive, (0, more))
-            self._next = np.pad(self._next, ((0, 0), (0, more)))
-            self._stamps = np.pad(self._stamps, (0, more))
+    def _grow(self, room: int) -> None:
+        self._next = np.pad(self._next, ((0, 0), (0, room - self._next.shape[1])))
 
 
 @njit(cache=True, nogil=True)

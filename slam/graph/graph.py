@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Protocol, Self
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from slam.errors import OptimizationError
 from slam.geometry import Pose, inverse
-from slam.types import WEIGHT_INVALID, Link, LinkType
+from slam.types import WEIGHT_INTERMEDIATE, WEIGHT_INVALID, Link, LinkType
 
 Pair = tuple[int, int]
 #: Constraints of single nodes, by the link's ends and type: a node may have a prior and gravity.
@@ -75,6 +76,7 @@ class PoseGraph:
         links: pair of ids, smaller first -> link.
         constraints: priors, gravity and sightings of landmarks, which join no two nodes.
         poses: id -> (4, 4) optimised pose ``T_map_base``.
+        between: intermediate nodes, which count as no step on any way.
         solver_state: what an incremental optimiser keeps from one call to the next.
     """
 
@@ -84,6 +86,7 @@ class PoseGraph:
         self.links: dict[Pair, Link] = {}
         self.constraints: dict[ConstraintKey, Link] = {}
         self.poses: dict[int, Pose] = {}
+        self.between: set[int] = set()
         self.solver_state: object | None = None
         self._adjacent: dict[int, dict[int, Link]] = {}
 
@@ -112,6 +115,7 @@ class PoseGraph:
             self.remove_link(pair)
         for key in [key for key in self.constraints if key[0] == node_id]:
             del self.constraints[key]
+        self.between.discard(node_id)
         del self.T_odom[node_id], self.map_ids[node_id], self.poses[node_id], self._adjacent[node_id]
 
     def add_link(self, link: Link) -> None:
@@ -162,8 +166,8 @@ class PoseGraph:
     def within(self, node_id: int, depth: int, follow: Follow = one_step) -> dict[int, int]:
         """Ids at most ``depth`` steps away -> their distance in steps, the nearest first (0-1 breadth-first search).
 
-        ``follow`` says what a link costs: the Bayes filter walks global closures for nothing and proximity links not
-        at all, proximity detection counts every link.
+        Stepping on an intermediate node costs nothing. ``follow`` says what a link costs: the Bayes filter walks global
+        closures for nothing and proximity links not at all, proximity detection counts every link.
         """
         self.neighbors(node_id)
         found: dict[int, int] = {}
@@ -175,7 +179,7 @@ class PoseGraph:
             found[at] = distance
             for other, link in self._adjacent[at].items():
                 cost = None if other in found else follow(link)
-                if cost == 0:
+                if cost == 0 or (cost is not None and other in self.between):
                     queue.appendleft((other, distance))
                 elif cost is not None and distance + cost <= depth:
                     queue.append((other, distance + cost))
@@ -196,6 +200,25 @@ class PoseGraph:
         while way[-1] != to_id:
             way.append(before[way[-1]])
         return way
+
+    def places_beside(self, node_id: int) -> Iterator[tuple[int, Link]]:
+        """Linked ids, over intermediate nodes too, each with the link that leaves this node for it."""
+        for other, link in self._adjacent[node_id].items():
+            if other not in self.between:
+                yield other, link
+                continue
+            ends = (i for i in self._chain(node_id, other) if i not in self.between)
+            yield from ((end, link) for end in ends)
+
+    def _chain(self, from_id: int, over: int) -> list[int]:
+        """Ids that a walk from one node over an intermediate one comes to, as far as the next that is none."""
+        seen, stack, found = {from_id, over}, [over], []
+        while stack:
+            new = [i for i in self._adjacent[stack.pop()] if i not in seen]
+            seen.update(new)
+            found.extend(new)
+            stack.extend(i for i in new if i in self.between)
+        return found
 
     def component(self, node_id: int) -> set[int]:
         """Ids of all nodes that links join with this one, itself included."""
@@ -236,6 +259,8 @@ class PoseGraph:
                 continue
             T_odom = np.array(T_odom_base) if tracked else poses[node_id]
             graph.add_node(node_id, int(map_id), T_odom, poses.get(node_id, T_odom))
+            if weight == WEIGHT_INTERMEDIATE:
+                graph.between.add(node_id)
         for link in reader.links():
             if link.T_from_to is not None and link.from_id != link.to_id and graph.has(*link.pair):
                 graph.add_link(link)
@@ -252,6 +277,7 @@ def _is_constraint(link: Link) -> bool:
     return link.type in (LinkType.POSE_PRIOR, LinkType.GRAVITY) and link.to_id == link.from_id
 
 
+@lru_cache(maxsize=8192)
 def ascending(link: Link) -> Link:
     """The same constraint seen from the smaller id.
 

@@ -89,11 +89,11 @@ class LoopDetector:
                 found += [
                     verify(node, memory.nodes[i], LinkType.LOCAL_TIME_CLOSURE, float("nan"), params)
                     for i in memory.stm
-                    if i != node.id and i not in graph.neighbors(node.id)
+                    if i != node.id and i not in dict(graph.places_beside(node.id))
                 ]
         with clock.stage("Timing/Hypotheses_validation/ms"):
             # Odometry has joined them already when the last node is in working memory (Mem/STMSize 1).
-            joined = belief.place in graph.neighbors(node.id)
+            joined = belief.place in dict(graph.places_beside(node.id))
             if belief.place and belief.posterior is not None and not joined:
                 found.append(
                     verify(

@@ -38,7 +38,7 @@ def nodes_beside(old_id: int, nodes: Mapping[int, Node], graph: PoseGraph, param
     """The neighbours of an old node that are in RAM; none unless ``RGBD/LocalBundleOnLoopClosure`` asks for them."""
     if not params.RGBD.LocalBundleOnLoopClosure:
         return ()
-    links = graph.neighbors(old_id)
+    links = dict(graph.places_beside(old_id))
     ids = [i for i in sorted(links) if i in nodes and links[i].type is LinkType.NEIGHBOR]
     return tuple(Beside(View.of(nodes[i]), between(graph.poses[old_id], graph.poses[i])) for i in ids)
 

@@ -33,7 +33,7 @@ def nearby(
     """
     T_map_new = graph.poses[node_id]
     around, paths = paths_around(node_id, places, graph, likelihood, params, home=home)
-    linked = graph.neighbors(node_id)
+    linked = dict(graph.places_beside(node_id))
     chosen: list[int] = []
     for path in paths:
         close = [
@@ -84,7 +84,7 @@ def _paths(ids: Mapping[int, float], graph: PoseGraph) -> list[list[int]]:
         while stack:
             at = stack.pop()
             path.append(at)
-            for other, link in graph.neighbors(at).items():
+            for other, link in graph.places_beside(at):
                 if other in left and link.type in (LinkType.NEIGHBOR, LinkType.NEIGHBOR_MERGED):
                     left.remove(other)
                     stack.append(other)

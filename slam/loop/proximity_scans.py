@@ -36,7 +36,7 @@ def by_scans(
         params: the Proximity parameters of RGBD and the Icp group are read.
     """
     around, paths = paths_around(node.id, memory.wm, graph, likelihood, params)
-    joined = {*graph.neighbors(node.id), *(c.to_id for c in found if c.refusal is None)}
+    joined = {*dict(graph.places_beside(node.id)), *(c.to_id for c in found if c.refusal is None)}
     candidates = []
     for path in paths:
         nearest = min(path, key=lambda i: (around[i], i))
@@ -57,7 +57,7 @@ def poses_along(nearest: int, path: Sequence[int], graph: PoseGraph, params: Par
     for _ in range(params.RGBD.ProximityPathMaxNeighbors):
         for side in (0, 1):
             at = ends[side]
-            following = [i for i in sorted(graph.neighbors(at)) if i in left and (i < at) == (side == 0)]
+            following = [i for i in sorted(dict(graph.places_beside(at))) if i in left and (i < at) == (side == 0)]
             if not following:
                 continue
             # Backwards the newest that is older, forwards the oldest that is newer.
@@ -69,8 +69,8 @@ def poses_along(nearest: int, path: Sequence[int], graph: PoseGraph, params: Par
 
 def _step(T_nearest_at: Pose, at: int, to: int, nearest: int, graph: PoseGraph, params: Params) -> Pose:
     """``T_nearest_to`` by the link between both nodes, or by the optimised poses."""
-    link = graph.neighbors(at)[to]
-    if not params.RGBD.ProximityPathRawPosesUsed or link.T_from_to is None:
+    link = graph.neighbors(at).get(to)
+    if not params.RGBD.ProximityPathRawPosesUsed or link is None or link.T_from_to is None:
         return between(graph.poses[nearest], graph.poses[to])
     T_at_to = link.T_from_to if link.from_id == at else inverse(link.T_from_to)
     return np.asarray(T_nearest_at @ T_at_to)

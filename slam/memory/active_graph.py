@@ -55,6 +55,11 @@ class ActiveGraph:
         if not self.is_whole:
             self.graph.add_node(node_id, map_id, T_odom_base, T_map_base)
 
+    def mark_between(self, node_id: int) -> None:
+        """A node in RAM is an intermediate one."""
+        self.whole.between.add(node_id)
+        self.graph.between.add(node_id)
+
     def remove_node(self, node_id: int) -> None:
         """Takes out a node in RAM."""
         self.whole.remove_node(node_id)
@@ -118,6 +123,8 @@ class ActiveGraph:
             self.whole.poses[node_id] = T_map_base
             held = self._hangs.pop(node_id, None)
             self.graph.add_node(node_id, self.whole.map_ids[node_id], self.whole.T_odom[node_id], T_map_base)
+            if node_id in self.whole.between:
+                self.graph.between.add(node_id)
             self._restore(node_id)
             if held is not None and not self.graph.neighbors(node_id) and self.whole.neighbors(node_id):
                 self._tie(node_id, held[0])
@@ -196,6 +203,7 @@ class ActiveGraph:
 
 def _copy(graph: PoseGraph) -> PoseGraph:
     copy = PoseGraph()
+    copy.between = set(graph.between)
     for node_id, T_odom_base in graph.T_odom.items():
         copy.add_node(node_id, graph.map_ids[node_id], T_odom_base, graph.poses[node_id])
     for link in graph.links.values():

@@ -60,7 +60,7 @@ class Immunity:
 
 
 def _late(memory: Memory, graph: PoseGraph, last_loop_id: int, params: Params) -> set[int]:
-    kept = {other for i in memory.stm for other in graph.neighbors(i) if other in memory.wm}
+    kept = {other for i in memory.stm for other, _ in graph.places_beside(i) if other in memory.wm}
     kept |= {last_loop_id} & memory.wm.keys()
     recent = sorted(i for i in memory.wm if i > last_loop_id)
     share = int(params.Mem.RecentWmRatio * len(memory.wm))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from slam.features.fixed_dictionary import FixedDictionary
 from slam.loop.likelihood import WordBag
 from slam.memory.long_term import LongTermMemory
 from slam.params import Params
-from slam.types import Features, Node, Stored, Tier
+from slam.types import WEIGHT_INTERMEDIATE, Features, Node, Stored, Tier
 
 
 class Memory:
@@ -28,6 +29,7 @@ class Memory:
         nodes: whole nodes of STM and WM.
         bags: their words.
         weights: of all nodes.
+        between: id -> the intermediate nodes that follow it on the path; they are always in the memory that it is in.
         dictionary: the words in RAM.
     """
 
@@ -40,6 +42,7 @@ class Memory:
         self.nodes: dict[int, Node] = {}
         self.bags: dict[int, WordBag] = {}
         self.weights: dict[int, int] = {}
+        self.between: dict[int, list[int]] = {}
         self.dictionary = Dictionary(seed=seed) if dictionary is None else dictionary
         self._long_term = long_term
         self._outlines: dict[int, Node] = {}
@@ -90,6 +93,31 @@ class Memory:
             self._enter_wm(node_id)
         return left
 
+    def add_between(self, node: Node) -> None:
+        """Takes in an intermediate node, which follows the newest one of STM."""
+        self.weights[node.id] = node.weight
+        self.between.setdefault(self.stm[-1], []).append(node.id)
+        self._moved[node.id] = Tier.STM
+
+    def with_between(self, ids: Iterable[int]) -> list[int]:
+        """These nodes, each with the intermediate ones that follow it."""
+        return [i for node_id in ids for i in (node_id, *self.between.get(node_id, ()))]
+
+    def make_between(self, node_id: int, follows: int) -> None:
+        """A node in RAM becomes an intermediate one, which follows another."""
+        self.hand_over(node_id, follows)
+        self.dismiss(node_id)
+        self.set_weight(node_id, WEIGHT_INTERMEDIATE)
+        self.between.setdefault(follows, []).append(node_id)
+        self._moved[node_id] = self.tier(follows)
+
+    def hand_over(self, node_id: int, to_id: int) -> None:
+        """The intermediate nodes that follow one node are with another from now on."""
+        handed = self.between.pop(node_id, [])
+        if handed:
+            self.between.setdefault(to_id, []).extend(handed)
+            self._moved |= dict.fromkeys(handed, self.tier(to_id))
+
     def dismiss(self, node_id: int) -> None:
         """Lets a node in RAM go for good, with the words that it alone had."""
         if self.wm.pop(node_id, None) is None:
@@ -109,7 +137,7 @@ class Memory:
             self.dictionary.release(self.bags.pop(node_id).words.tolist())
             del self.wm[node_id]
             self.ltm.add(node_id)
-            self._moved[node_id] = Tier.LTM
+            self._moved |= dict.fromkeys(self.with_between([node_id]), Tier.LTM)
 
     def retrieve(self, ids: Iterable[int], params: Params) -> list[int]:
         """Brings nodes back from LTM to WM; returns those that were there."""
@@ -126,7 +154,14 @@ class Memory:
             self._enter_wm(node_id)
         return found
 
-    def recall(self, outlines: Iterable[Node], in_ram: Iterable[int], words: WordRows, next_word_id: int) -> None:
+    def recall(
+        self,
+        outlines: Iterable[Node],
+        in_ram: Iterable[int],
+        words: WordRows,
+        next_word_id: int,
+        between: Mapping[int, Iterable[int]] = MappingProxyType({}),
+    ) -> None:
         """Starts with the nodes of a map file: ``in_ram`` come to WM, the others are in LTM.
 
         Args:
@@ -134,12 +169,15 @@ class Memory:
             in_ram: ids among them.
             words: at least those that the nodes in RAM use.
             next_word_id: the first id that no word of the file has.
+            between: id -> the intermediate nodes that follow it.
         """
         self._outlines = {outline.id: outline for outline in outlines}
+        self.between = {node_id: list(ids) for node_id, ids in between.items()}
         self.weights = {outline.id: outline.weight for outline in self._outlines.values()}
+        self.weights |= {i: WEIGHT_INTERMEDIATE for ids in self.between.values() for i in ids}
         nodes = [self._long_term.load(self._outlines.pop(node_id))[0] for node_id in sorted(in_ram)]
         self.ltm = set(self._outlines)
-        self._moved = dict.fromkeys(self.ltm, Tier.LTM)
+        self._moved = dict.fromkeys(self.with_between(self.ltm), Tier.LTM)
         used = np.unique(np.concatenate([np.zeros(0, np.int32), *(node.word_ids for node in nodes)]))
         kept = np.isin(words.ids, used)
         self.dictionary.load(words.ids[kept], words.descriptors[kept], next_word_id)
@@ -155,7 +193,7 @@ class Memory:
 
     def in_ram(self) -> tuple[int, ...]:
         """Ids in short-term and working memory, ascending."""
-        return tuple(sorted([*self.stm, *self.wm]))
+        return tuple(sorted(self.with_between([*self.stm, *self.wm])))
 
     def tier(self, node_id: int) -> Tier:
         """The memory a node is in."""
@@ -186,7 +224,7 @@ class Memory:
     def _enter_wm(self, node_id: int) -> None:
         self._entries += 1
         self.wm[node_id] = self._entries
-        self._moved[node_id] = Tier.WM
+        self._moved |= dict.fromkeys(self.with_between([node_id]), Tier.WM)
 
     def _words_of(self, node: Node) -> WordRows:
         ids = np.unique(node.word_ids[node.word_ids > 0])

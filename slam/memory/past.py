@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from slam.graph.graph import PoseGraph
 from slam.memory.long_term import DatabaseMemory
 from slam.memory.memory import Memory
 from slam.params import Params
-from slam.types import Node, TrackedFrame
+from slam.types import WEIGHT_INTERMEDIATE, Node, TrackedFrame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +61,7 @@ def recall(reader: MapReader, params: Params, *, seed: int) -> Past:
     words = reader.words()
     if len(words):
         check_kind(words.descriptors, kind_of_words(params))
-    memory.recall(outlines, left, words, reader.last_word_id() + 1)
+    memory.recall(outlines, left, words, reader.last_word_id() + 1, _between(reader, outlines))
     last_id = int(reader.node_ids().max(initial=0))
     return Past(reader, graph, memory, reader.trajectory(), last_id, reader.last_pose())
 
@@ -73,6 +74,17 @@ def _outlines(reader: MapReader, graph: PoseGraph) -> list[Node]:
         for row, node_id in enumerate(table.ids.tolist())
         if node_id in graph and table.weights[row] >= 0 and (camera := cameras.get(node_id)) is not None
     ]
+
+
+def _between(reader: MapReader, outlines: Iterable[Node]) -> dict[int, list[int]]:
+    """Id -> the intermediate nodes that follow it in its session."""
+    table, places, last = reader.nodes(), {outline.id: outline.map_id for outline in outlines}, 0
+    found: dict[int, list[int]] = {}
+    for node_id, map_id, weight in zip(table.ids.tolist(), table.map_ids.tolist(), table.weights.tolist(), strict=True):
+        last = node_id if node_id in places else last
+        if weight == WEIGHT_INTERMEDIATE and places.get(last) == map_id:
+            found.setdefault(last, []).append(node_id)
+    return found
 
 
 def _outline(node_id: int, map_id: int, weight: int, stamp: float, graph: PoseGraph, camera: Camera) -> Node:

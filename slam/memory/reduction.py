@@ -1,6 +1,8 @@
-"""Graph reduction (``Mem/ReduceGraph``): a place that was seen before stays one node."""
+"""Two nodes of one place become one: the older stays (``Mem/ReduceGraph``), or the newer (rehearsal)."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from slam.database import Reduction
 from slam.geometry import between
@@ -25,9 +27,18 @@ def reduction(node_id: int, memory: Memory, graph: PoseGraph) -> Reduction | Non
     older = [i for i, link in links.items() if link.type.is_loop and i < node_id and _is_place(i, memory)]
     if not older:
         return None
-    into = min(older)
-    loop = links[into]
-    moved = (_over(loop, link, into, node_id, other) for other, link in sorted(links.items()) if other != into)
+    return _merged(node_id, min(older), graph)
+
+
+def replacement(node_id: int, by: int, graph: PoseGraph) -> Reduction:
+    """How the last node becomes part of a new one that looks like it (``Mem/RehearsalIdUpdatedToNewOne``)."""
+    return replace(_merged(node_id, by, graph, LinkType.NEIGHBOR), marked=True)
+
+
+def _merged(node_id: int, into: int, graph: PoseGraph, step: LinkType = LinkType.NEIGHBOR_MERGED) -> Reduction:
+    links = graph.neighbors(node_id)
+    joint = links[into]
+    moved = (_over(joint, link, into, node_id, other, step) for other, link in sorted(links.items()) if other != into)
     return Reduction(
         node_id=node_id,
         into=into,
@@ -40,9 +51,9 @@ def _is_place(node_id: int, memory: Memory) -> bool:
     return node_id in memory.nodes and memory.weights[node_id] >= 0
 
 
-def _over(loop: Link, link: Link, into: int, middle: int, other: int) -> Link:
+def _over(joint: Link, link: Link, into: int, middle: int, other: int, step: LinkType) -> Link:
     """The link of another node with the one that takes the middle one in, from the newer to the older."""
-    kind = link.type if link.type.is_loop else LinkType.NEIGHBOR_MERGED
+    kind = step if link.type is LinkType.NEIGHBOR else link.type
     if other > into:
-        return composed(link, loop, other, middle, into, kind)
-    return composed(loop, link, into, middle, other, kind)
+        return composed(link, joint, other, middle, into, kind)
+    return composed(joint, link, into, middle, other, kind)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from slam.database import Reduction
 from slam.errors import OptimizationError
@@ -16,7 +16,7 @@ from slam.memory.active_graph import ActiveGraph
 from slam.memory.immunity import Immunity
 from slam.memory.memory import Memory
 from slam.memory.places import Places
-from slam.memory.reduction import reduction
+from slam.memory.reduction import reduction, replacement
 from slam.memory.retrieval import choose_retrieval
 from slam.memory.transfer import choose_transfer, is_bounded
 from slam.params import Params
@@ -30,8 +30,8 @@ _OFTEN = 50
 class Transfer:
     """The ids that went to long-term memory, and those that might not; none where memory has no bound."""
 
-    ids: Sequence[int]
-    immunity: Immunity
+    ids: Sequence[int] = ()
+    immunity: Immunity = field(default_factory=Immunity)
 
 
 class Tiers:
@@ -61,7 +61,7 @@ class Tiers:
 
     def restrict(self) -> None:
         """Makes the working graph anew: somebody changed the whole one."""
-        self.active.restrict(self.memory.ltm)
+        self.active.restrict(self.memory.with_between(sorted(self.memory.ltm)))
         self._places.put(self.graph.poses, sorted(self.memory.ltm))
 
     def reduce(self, node_ids: Iterable[int]) -> tuple[Reduction, ...]:
@@ -72,11 +72,36 @@ class Tiers:
             if found is not None:
                 weight = self.memory.weights[found.into] + self.memory.weights[node_id]
                 self.memory.set_weight(found.into, weight)
-                self.memory.dismiss(node_id)
-                self.active.merge(node_id, found.into, found.links)
-                self._moved.discard(node_id)
+                self._merge(found)
                 done.append(found)
         return tuple(done)
+
+    def replace(self, node_id: int, by: int) -> tuple[Reduction, ...]:
+        """The last node becomes part of a new one; or an intermediate one, where others lie between."""
+        if self.last_loop == node_id:
+            self.last_loop = by
+        if by not in self.active.graph.neighbors(node_id):
+            self.memory.make_between(node_id, by)
+            self.active.mark_between(node_id)
+            return ()
+        if node_id in self.labelled:
+            self.labelled.add(by)
+        found = replacement(node_id, by, self.active.graph)
+        self._merge(found)
+        return (found,)
+
+    def take_back(self, node_id: int) -> None:
+        """A new node is not kept after all."""
+        self.memory.dismiss(node_id)
+        self.active.remove_node(node_id)
+        self.labelled.discard(node_id)
+        self._moved.discard(node_id)
+
+    def _merge(self, found: Reduction) -> None:
+        self.memory.hand_over(found.node_id, found.into)
+        self.memory.dismiss(found.node_id)
+        self.active.merge(found.node_id, found.into, found.links)
+        self._moved.discard(found.node_id)
 
     def retrieve(self, node_id: int, best_id: int, params: Params) -> list[int]:
         """Brings back what belongs to the best hypothesis and to the place of a new node; the ids that came."""
@@ -85,21 +110,22 @@ class Tiers:
         )
         retrieved = self.memory.retrieve(chosen, params)
         self._places.drop(retrieved)
-        self.active.come_back(retrieved)
-        self._moved.update(retrieved)
+        together = self.memory.with_between(retrieved)
+        self.active.come_back(together)
+        self._moved.update(together)
         return retrieved
 
     def transfer(self, best_id: int, retrieved: list[int], elapsed_ms: float, params: Params) -> Transfer:
         """Moves what there is no time or room for to long-term memory."""
         if not is_bounded(params):
-            return Transfer([], Immunity())
+            return Transfer()
         immunity = Immunity.of(self.memory, self.graph, self.active.graph, best_id, self.last_loop, params)
         chosen = choose_transfer(
             self.memory, immune=immunity.ids, retrieved=retrieved, elapsed_ms=elapsed_ms, params=params
         )
         self.memory.transfer(chosen)
         self._places.put(self.graph.poses, chosen)
-        self.active.leave(chosen)
+        self.active.leave(self.memory.with_between(chosen))
         return Transfer(chosen, immunity)
 
     def follow(self, node_id: int, closed: Closed) -> None:

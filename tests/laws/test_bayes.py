@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from slam.errors import ParameterError
 from slam.graph.graph import PoseGraph
-from slam.loop.bayes import BayesFilter, neighbours_in_time, transition_matrix
+from slam.loop.bayes import BayesFilter, neighbours_in_time
+from slam.loop.transition import transition_matrix
 from slam.params import Params
 from slam.types import LinkType
 from tests.nodes import chain, join
@@ -61,6 +62,30 @@ def test_belief_sums_to_one(count: int, loops: list[tuple[int, int]], kind: Link
         assert (found.probability >= 0).all()
         assert found.probability.sum() + found.virtual_place == pytest.approx(1.0, abs=1e-12)
         assert found.value == pytest.approx(found.probability.sum(), abs=1e-12)
+
+
+@quickly
+@given(st.integers(5, 40), pairs, kinds, st.integers(0, 999), st.integers(1, 6), predictions)
+def test_working_out_what_changed_gives_what_working_out_everything_gives(
+    count: int, loops: list[tuple[int, int]], kind: LinkType, seed: int, steps: int, text: str
+) -> None:
+    rng, graph = np.random.default_rng(seed), tangled(count, [], kind)
+    params = predicting(text)
+    full = params.changed({"Bayes/FullPredictionUpdate": True})
+    some, everything = BayesFilter(), BayesFilter()
+    left, ids = list(loops), list(range(1, count + 1))
+    for _ in range(steps):
+        for _ in range(min(2, len(left))):
+            a, b = left.pop()
+            if max(a, b) <= count and a != b and (min(a, b), max(a, b)) not in graph.links:
+                join(graph, max(a, b), min(a, b), kind)
+        gone = set(rng.choice(ids, min(3, len(ids) - 1), replace=False).tolist())
+        ids = sorted({*(i for i in ids if i not in gone), *rng.integers(1, count + 1, 2).tolist()})
+        likelihood = rng.uniform(0.5, 10, len(ids))
+        found = some.update(ids, likelihood, 1.5, graph, params)
+        best = everything.update(ids, likelihood, 1.5, graph, full)
+        np.testing.assert_array_equal(found.probability, best.probability)
+        assert found.virtual_place == best.virtual_place
 
 
 @quickly

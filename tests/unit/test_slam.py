@@ -30,7 +30,8 @@ RTABMAP = {
     "MapToBase_roll/deg MapToBase_pitch/deg MapToBase_yaw/deg",
     "Proximity": "Space_visual_paths_checked/ Space_scan_paths_checked/ Space_detections_added_visually/ "
     "Space_detections_added_icp_multi/ Space_last_detection_id/",
-    "Memory": "Short_time_memory_size/ Working_memory_size/ Local_graph_size/ Signatures_removed/ "
+    "Memory": "Short_time_memory_inter_size/ Working_memory_inter_size/ Short_time_memory_size/ "
+    "Working_memory_size/ Local_graph_size/ Signatures_removed/ "
     "Immunized_globally/ Immunized_locally/ Immunized_locally_max/ "
     "Signatures_retrieved/ Rehearsal_id/ Rehearsal_sim/ Distance_travelled/m Odometry_variance_lin/ "
     "Odometry_variance_ang/",

@@ -44,8 +44,15 @@ class RtabmapGroup(Group):
     VirtualPlaceLikelihoodRatio: int = param(
         0, "Likelihood of a new place: 0 mean / deviation, 1 deviation / (max - mean).", ge=0, le=1
     )
+    CreateIntermediateNodes: bool = param(
+        False, "Keep moving frames between two updates as nodes without words, which no loop is looked for with."
+    )
     StartNewMapOnGoodSignature: bool = param(
         False, "A session begins with a node that has enough words; those before are not kept."
+    )
+    StartNewMapOnLoopClosure: bool = param(
+        False,
+        "Beside a map that is there, a session begins with a node that a loop joins with it.",
     )
     SaveWMState: bool = param(True, "Store the ids in working memory with each update's statistics.")
 
@@ -67,7 +74,11 @@ class MemGroup(Group):
     RehearsalWeightIgnoredWhileMoving: bool = param(
         False, "A node that looks like the last one adds weight to it only when the robot has not moved."
     )
+    RehearsalIdUpdatedToNewOne: bool = param(
+        False, "Of two nodes that rehearsal merges the newer stays, and takes the weight; else the older."
+    )
     BadSignaturesIgnored: bool = param(False, "Nodes with too few words are not kept.")
+    IntermediateNodeDataKept: bool = param(False, "Store the images of intermediate nodes.")
     ReduceGraph: bool = param(
         False, "A node that leaves short-term memory becomes part of the older one that a loop ties it to."
     )
@@ -108,6 +119,9 @@ class BayesGroup(Group):
 
     PredictionLC: str = param(
         _PREDICTION, "Transition: virtual place, same place, then graph distance 1, 2, ...", effect=_SESSION
+    )
+    FullPredictionUpdate: bool = param(
+        False, "Work out the whole transition at each update, not only what changed; the belief is the same."
     )
     VirtualPlacePriorThr: float = param(0.9, "Probability that a new place is followed by a new place.", ge=0, le=1)
 
