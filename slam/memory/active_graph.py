@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
 from slam.geometry import Pose, between
 from slam.graph.composition import composed
 from slam.graph.graph import PoseGraph
+from slam.memory.hanging import Hanging, Holder
 from slam.types import Link, LinkType
 
 #: Neighbours of a node that leaves get no link over it when they are this near by other links: else each loop that
@@ -20,9 +22,9 @@ class ActiveGraph:
     """Keeps what an update costs within bounds, however large the map: only this graph is searched and optimised.
 
     As long as every node is in RAM it is the whole graph itself. A node that leaves is eliminated: virtual links join
-    those of its neighbours that would be far apart without it, with the transforms and covariances of the two links on
-    the way put together, and the node hangs on its nearest neighbour in time, with which it moves from then on. A node
-    that comes back gets its links again.
+    those of its neighbours that would be far apart without it, as the optimised poses have them at that moment (so that
+    what the optimum knows is not lost with the node) and as sure as the two links on the way put together. The node
+    hangs on its neighbours, with which it moves from then on; when it comes back it gets its links again.
 
     Attributes:
         whole: all nodes of the map, with all their links; poses of nodes in RAM are always up to date.
@@ -32,7 +34,7 @@ class ActiveGraph:
     def __init__(self, whole: PoseGraph) -> None:
         self.whole = whole
         self.graph = whole
-        self._hangs: dict[int, tuple[int, Pose]] = {}
+        self._hanging = Hanging()
         # Links that a node had when it left, each with the absent node that it stood for (0: a real link).
         self._had: dict[int, list[tuple[Link, int]]] = {}
         # Virtual links in the graph, and the absent node that each stands for.
@@ -46,7 +48,7 @@ class ActiveGraph:
 
     def restrict(self, node_ids: Iterable[int]) -> None:
         """Makes it anew from the whole graph, without these nodes."""
-        self.graph, self._hangs, self._had, self._over, self._stale = self.whole, {}, {}, {}, False
+        self.graph, self._hanging, self._had, self._over, self._stale = self.whole, Hanging(), {}, {}, False
         self.leave(sorted(node_ids))
 
     def add_node(self, node_id: int, map_id: int, T_odom_base: Pose, T_map_base: Pose) -> None:
@@ -69,9 +71,7 @@ class ActiveGraph:
     def merge(self, node_id: int, into: int, links: Iterable[Link]) -> None:
         """A node in RAM becomes part of another one there, which gets these links; what hung on it hangs on that."""
         T_into_node = between(self.graph.poses[into], self.graph.poses[node_id])
-        for other, (held, T_held_other) in self._hangs.items():
-            if held == node_id:
-                self._hangs[other] = into, T_into_node @ T_held_other
+        self._hanging.hang(node_id, [Holder(into, 1.0, T_into_node)])
         for link in [link for link in self._over if node_id in link.pair]:
             del self._over[link]
         self.remove_node(node_id)
@@ -121,34 +121,41 @@ class ActiveGraph:
                 continue
             T_map_base = self._resolved(node_id)
             self.whole.poses[node_id] = T_map_base
-            held = self._hangs.pop(node_id, None)
+            holder = self._hanging.take_down(node_id)
             self.graph.add_node(node_id, self.whole.map_ids[node_id], self.whole.T_odom[node_id], T_map_base)
             if node_id in self.whole.between:
                 self.graph.between.add(node_id)
             self._restore(node_id)
-            if held is not None and not self.graph.neighbors(node_id) and self.whole.neighbors(node_id):
-                self._tie(node_id, held[0])
+            if holder and not self.graph.neighbors(node_id) and self.whole.neighbors(node_id):
+                self._tie(node_id, holder)
 
     def follow(self) -> list[int]:
         """Moves the nodes in long-term memory with those that they hang on; the ids of all that hang."""
         if not self._stale:
             return []
-        for node_id in self._hangs:
+        followed = [node_id for node_id in self._hanging if node_id in self.whole]
+        for node_id in followed:
             self.whole.poses[node_id] = self._resolved(node_id)
         self._stale = False
-        return list(self._hangs)
+        return followed
 
     def _eliminate(self, node_id: int) -> None:
         links = dict(self.graph.neighbors(node_id))
         pose = self.graph.poses[node_id]
-        near = sorted(links, key=lambda i: (abs(i - node_id), i))
-        if near:
-            self._hangs[node_id] = near[0], between(self.graph.poses[near[0]], pose)
+        self._hanging.hang(
+            node_id,
+            [
+                Holder(other, float(np.trace(link.information[:3, :3])), between(self.graph.poses[other], pose))
+                for other, link in links.items()
+            ],
+        )
         self._had[node_id] = [(link, self._over.pop(link, 0)) for link in links.values()]
         self.graph.remove_node(node_id)
         for a, b in zip(sorted(links), sorted(links)[1:], strict=False):
             if b not in self.graph.within(a, _NEAR):
-                self._bridge(composed(links[a], links[b], a, node_id, b, LinkType.VIRTUAL_CLOSURE), node_id)
+                by_links = composed(links[a], links[b], a, node_id, b, LinkType.VIRTUAL_CLOSURE)
+                T_a_b = between(self.graph.poses[a], self.graph.poses[b])
+                self._bridge(replace(by_links, T_from_to=T_a_b), node_id)
 
     def _restore(self, node_id: int) -> None:
         """The links of a node that came back, those that it had when it left and its real ones, and none over it."""
@@ -177,28 +184,21 @@ class ActiveGraph:
     def _tie(self, node_id: int, other: int) -> None:
         """Joins a node with the one in RAM that it hung on, as sure as a link that bridges the whole gap can be."""
         while other not in self.graph:
-            if other not in self._hangs:
+            if other not in self._hanging:
                 return
-            other = self._hangs[other][0]
+            other = self._hanging.first_holder(other)
         T = between(self.graph.poses[node_id], self.graph.poses[other])
         gap = max(1, abs(node_id - other))
         absent, sample = next(iter(self.whole.neighbors(node_id).items()))
         self._bridge(Link(node_id, other, LinkType.VIRTUAL_CLOSURE, T, sample.information / gap), absent)
 
     def _resolved(self, node_id: int) -> Pose:
-        """Pose of a node by what it hangs on, over any number of others; the way is shorter the next time."""
+        """Pose of a node by what it hangs on."""
         if node_id in self.graph:
             return self.graph.poses[node_id]
-        way, at = [], node_id
-        while at not in self.graph and at in self._hangs:
-            way.append(at)
-            at = self._hangs[at][0]
-        pose = self.graph.poses[at] if at in self.graph else self.whole.poses[at]
-        T_end_at: Pose = np.eye(4)
-        for step in reversed(way):
-            T_end_at = T_end_at @ self._hangs[step][1]
-            self._hangs[step] = at, T_end_at
-        return np.asarray(pose @ T_end_at)
+        if node_id not in self._hanging:
+            return self.whole.poses[node_id]
+        return self._hanging.pose(node_id, self.graph, self.whole.poses)
 
 
 def _copy(graph: PoseGraph) -> PoseGraph:
