@@ -14,6 +14,7 @@ from starlette.exceptions import HTTPException
 from server.errors import EngineError, NotFoundError, SettingsError, UnknownMapError
 from server.schemas import ErrorBody, ErrorDetail
 from slam.errors import (
+    DamagedRowError,
     DatabaseError,
     DecisionError,
     MapBusyError,
@@ -50,7 +51,10 @@ ERRORS: dict[int | str, dict[str, Any]] = {
 def describe(error: SlamError) -> ErrorDetail:
     """The error as the page gets it."""
     status = next((status for kind, status in _STATUS if isinstance(error, kind)), 422)
-    return ErrorDetail(code=code_of(type(error)), message=str(error), status=status)
+    row = {}
+    if isinstance(error, DamagedRowError):
+        row = {"table": error.table, "row": error.row, "reason": error.reason}
+    return ErrorDetail(code=code_of(type(error)), message=str(error), status=status, **row)
 
 
 def code_of(kind: type[SlamError]) -> str:

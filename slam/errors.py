@@ -19,6 +19,22 @@ class DatabaseError(SlamError):
     """A map file can't be opened, read or written."""
 
 
+class DamagedRowError(DatabaseError):
+    """A row of a map file can't be understood; the others can.
+
+    Attributes:
+        table: of the file.
+        row: its id, or the ids that name it.
+        reason: what is wrong with it.
+    """
+
+    def __init__(self, table: str, row: str, reason: str, context: str = "") -> None:
+        super().__init__(f"{context}{table}, row {row}: {reason}")
+        self.table = table
+        self.row = row
+        self.reason = reason
+
+
 class MapBusyError(DatabaseError):
     """Another writer holds the map file."""
 

@@ -59,9 +59,12 @@ export function ago(seconds) {
   return new Date(seconds * 1000).toISOString().slice(0, 10);
 }
 
+/** The last second that a date of JavaScript can be; damaged files have stamps beyond. */
+const LAST_SECOND = 8.64e12;
+
 /** @param {Maybe} seconds since 1970 */
 export function clock(seconds) {
-  if (seconds === null || seconds === undefined) return NONE;
+  if (seconds === null || seconds === undefined || !(Math.abs(seconds) <= LAST_SECOND)) return NONE;
   return new Date(seconds * 1000).toISOString().slice(11, 19);
 }
 

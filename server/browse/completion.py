@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from slam.database import MapReader
 from slam.errors import OptimizationError
 from slam.geometry import Pose
 from slam.graph import PoseGraph
 from slam.graph.completion import completed
+from slam.graph.graph import GraphReader
 from slam.params import Params
 
 
@@ -21,9 +21,9 @@ class Completion:
     failure: str | None = None
 
 
-def complete(reader: MapReader, stored: Mapping[int, Pose], params: Params) -> Completion:
+def complete(parts: GraphReader, stored: Mapping[int, Pose], params: Params) -> Completion:
     """Poses of the nodes that links join and that have none stored."""
     try:
-        return Completion(completed(PoseGraph.from_reader(reader), stored, params))
+        return Completion(completed(PoseGraph.from_reader(parts), stored, params))
     except OptimizationError as error:
         return Completion(failure=str(error))

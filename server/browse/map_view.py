@@ -11,7 +11,7 @@ from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
 from server.browse.trials import LoopTrials
 from server.catalog import MapFile
-from slam.database import MapReader
+from slam.database import Faults, MapReader
 
 Fingerprint = tuple[tuple[int, int], ...]
 
@@ -38,6 +38,8 @@ class MapView:
         self._print: Fingerprint = ()
         self._revision = 0
         self._snapshot: Snapshot | None = None
+        # Of updates, which are read once.
+        self._faults: Faults = {}
 
     def snapshot(self) -> Snapshot:
         """What the file holds now."""
@@ -49,7 +51,7 @@ class MapView:
                 return known
             if known is None or known.revision == self._revision:
                 self._revision += 1
-            self._snapshot = Snapshot(self.reader, self._revision, self._tiers.read())
+            self._snapshot = Snapshot(self.reader, self._revision, self._tiers.read(self._faults), self._faults)
             self._print = now
             return self._snapshot
 

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from server.browse.columns import number_list, pose_list
+from server.browse.faults import row_faults
 from server.browse.journal import journal_entry
 from server.browse.map_view import MapView
 from server.browse.sensors import node_sensors
 from server.browse.snapshot import Snapshot
+from server.browse.statistics import values_at
 from server.errors import NotFoundError
 from server.schemas import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
 from slam.camera import Camera
-from slam.database import NodeTable
+from slam.database import Fault, Faults, NodeTable
+from slam.errors import DamagedRowError, DatabaseError
 from slam.geometry import inverse, transform, translation_norm
 from slam.types import Link, Tier
 
@@ -39,7 +43,8 @@ def page(view: MapView, *, offset: int, limit: int, order: NodeOrder, query: str
     if wanted:
         rows = np.array([row for row in rows if wanted in f"{table.ids[row]} {table.labels[row] or ''}".lower()], int)
     shown = rows[offset : offset + limit].tolist()
-    return NodePage(total=len(rows), nodes=[_row(view, snapshot, table, row) for row in shown])
+    words = _words(view, table.ids[shown].tolist())
+    return NodePage(total=len(rows), nodes=[_row(snapshot, table, row, words) for row in shown])
 
 
 def detail(view: MapView, node_id: int) -> NodeDetail:
@@ -51,23 +56,28 @@ def detail(view: MapView, node_id: int) -> NodeDetail:
         require_node(snapshot, node_id)
     node = view.reader.node(node_id)
     true = None if node.T_world_base is None else snapshot.T_map_world @ node.T_world_base
-    cameras = _cameras(view, node_id)
+    linked = sorted(snapshot.links_at.get(node_id, []), key=lambda link: (link.type, link.pair))
+    faults: Faults = {}
+    measured, sensors = values_at(view.reader, node_id, faults), node_sensors(view.reader, node_id)
+    cameras = _cameras(view, node_id, faults)
+    faults |= dict.fromkeys(fault for fault in snapshot.faults if _is_about(fault, node_id))
     right = any(camera.baseline_m is not None for camera in cameras)
     return NodeDetail(
-        **_row(view, snapshot, table, row).model_dump(),
+        **_row(snapshot, table, row, {node_id: node.words}).model_dump(),
         pose=pose_list(snapshot.poses.get(node_id)),
         odom=pose_list(node.T_odom_base),
         truth=pose_list(true),
         camera=cameras[0] if cameras else None,
         cameras=cameras,
-        sensors=node_sensors(view.reader, node_id),
+        sensors=sensors,
         features=node.features,
-        links=[_link(link) for link in _links_of(snapshot, node_id)],
-        statistics=view.statistics.at(node_id),
+        links=[_link(link) for link in linked],
+        statistics=measured,
         has_image=node.image_bytes > 0,
         has_depth=node.depth_bytes > 0 and not right,
         has_right=node.depth_bytes > 0 and right,
         decisions=[journal_entry(entry) for entry in snapshot.journal if node_id in entry.pair],
+        faults=row_faults(faults),
     )
 
 
@@ -94,15 +104,23 @@ def require_node(snapshot: Snapshot, node_id: int) -> None:
 
 
 def camera_of(view: MapView, node_id: int) -> Camera | None:
-    """Camera of a node; None where the file has no calibration for it."""
-    if node_id not in view.snapshot().calibrated:
+    """Camera of a node; None where the file has no calibration for it; DatabaseError where that is damaged."""
+    if not view.reader.node(node_id).calibration_bytes:
         return None
     return view.reader.camera(node_id)
 
 
-def _row(view: MapView, snapshot: Snapshot, table: NodeTable, row: int) -> NodeRow:
+def _words(view: MapView, node_ids: Sequence[int]) -> dict[int, int]:
+    """Id -> number of key points that became words, of some nodes."""
+    table = view.reader.statistics(node_ids, [_WORDS], faults={})
+    known = zip(table.ids.tolist(), table.values[_WORDS].tolist(), strict=True)
+    counted = {node_id: int(words) for node_id, words in known if 0 <= words < 2**31}
+    missing = [i for i in node_ids if i not in counted]
+    return {**dict.fromkeys(node_ids, 0), **counted, **(view.reader.word_counts(missing) if missing else {})}
+
+
+def _row(snapshot: Snapshot, table: NodeTable, row: int, words: Mapping[int, int]) -> NodeRow:
     node_id = int(table.ids[row])
-    words = view.statistics.at(node_id).get(_WORDS)
     return NodeRow(
         id=node_id,
         map_id=int(table.map_ids[row]),
@@ -110,15 +128,9 @@ def _row(view: MapView, snapshot: Snapshot, table: NodeTable, row: int) -> NodeR
         stamp=float(table.stamps[row]),
         label=table.labels[row] or "",
         tier=snapshot.tiers.get(node_id, Tier.LTM),
-        words=view.reader.node(node_id).words if words is None else int(words),
+        words=words[node_id],
         loops=snapshot.loop_counts[node_id],
     )
-
-
-def _links_of(snapshot: Snapshot, node_id: int) -> list[Link]:
-    """All links of a node, with its priors, gravity and landmarks, and the mark of what it was merged into."""
-    linked = [link for link in snapshot.all_links if node_id in link.pair]
-    return sorted(linked, key=lambda link: (link.type, link.pair))
 
 
 def _link(link: Link) -> NodeLink:
@@ -126,15 +138,24 @@ def _link(link: Link) -> NodeLink:
     return NodeLink(from_=link.from_id, to=link.to_id, type=link.type.label, translation_m=length)
 
 
-def _cameras(view: MapView, node_id: int) -> list[CameraModel]:
+def _cameras(view: MapView, node_id: int, faults: Faults) -> list[CameraModel]:
+    """Its cameras; none, and a fault, where the calibration makes no sense."""
     if node_id not in view.snapshot().calibrated:
         return []
-    cameras, baselines = view.reader.cameras(node_id), view.reader.baselines(node_id)
+    try:
+        cameras, baselines = view.reader.cameras(node_id), view.reader.baselines(node_id)
+    except DatabaseError as error:
+        faults[Fault("Data", str(node_id), error.reason if isinstance(error, DamagedRowError) else str(error))] = None
+        return []
     pairs = zip(cameras, baselines or [None] * len(cameras), strict=True)
     return [
         CameraModel(width=c.width, height=c.height, fx=c.fx, fy=c.fy, cx=c.cx, cy=c.cy, baseline_m=baseline)
         for c, baseline in pairs
     ]
+
+
+def _is_about(fault: Fault, node_id: int) -> bool:
+    return fault.table in ("Node", "Link", "Data") and str(node_id) in fault.row.split("-")
 
 
 def _depths(
@@ -144,7 +165,11 @@ def _depths(
     depths = np.full(len(points_base), np.nan)
     if node_id not in view.snapshot().calibrated:
         return depths
-    cameras = view.reader.cameras(node_id)
+    try:
+        cameras = view.reader.cameras(node_id)
+    except DatabaseError:
+        # The node itself says so; its key points are still there.
+        return depths
     tiles = np.clip(columns // max(1, cameras[0].width), 0, len(cameras) - 1).astype(int)
     for tile, camera in enumerate(cameras):
         here = tiles == tile

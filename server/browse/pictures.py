@@ -9,7 +9,7 @@ from server.browse.map_view import MapView
 from server.errors import NotFoundError
 from slam.database.images import decode_color
 
-_PREVIEW_WIDTH = 320
+_PREVIEW_WIDTH, _PREVIEW_HEIGHT = 320, 1280
 _PNG = b"\x89PNG"
 
 
@@ -28,12 +28,12 @@ def stored_right(view: MapView, node_id: int) -> tuple[bytes, str]:
 
 def preview(view: MapView) -> bytes:
     """A small JPEG of the map's first image; raises NotFoundError when no node has one."""
-    with_image = view.reader.nodes_with("image")
-    stored = None if len(with_image) else view.reader.preview()
-    if not len(with_image) and stored is None:
+    first = view.reader.first_node_with("image")
+    stored = view.reader.preview() if first is None else None
+    if first is None and stored is None:
         raise NotFoundError(f"{view.file.name} has no image")
-    image = decode_color(stored) if stored else view.reader.image_bgr(int(with_image[0]))
-    height = max(1, round(image.shape[0] * _PREVIEW_WIDTH / image.shape[1]))
+    image = view.reader.image_bgr(first) if first is not None else decode_color(stored or b"")
+    height = max(1, min(_PREVIEW_HEIGHT, round(image.shape[0] * _PREVIEW_WIDTH / image.shape[1])))
     small = cv2.resize(image, (_PREVIEW_WIDTH, height), interpolation=cv2.INTER_AREA)
     return bytes(cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 82])[1])
 
@@ -64,4 +64,4 @@ def _present(view: MapView, node_id: int, kind: str) -> bytes:
     node = view.reader.node(node_id)
     if not (node.image_bytes if kind == "image" else node.depth_bytes):
         raise NotFoundError(f"node {node_id} of {view.file.name} has no {kind}")
-    return view.reader.image(node_id) if kind == "image" else view.reader.depth(node_id)
+    return view.reader.image_file(node_id) if kind == "image" else view.reader.depth(node_id)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from server.browse.completion import Completion, complete
 from slam.accuracy import frames_ate_m, pooled_ate_m
-from slam.database import CandidateRow, JournalEntry, MapReader, NodeTable
-from slam.errors import ParameterError
+from slam.database import CandidateRow, Fault, Faults, JournalEntry, MapReader, NodeTable
+from slam.errors import DatabaseError, ParameterError
 from slam.evaluate import align
 from slam.geometry import Pose
 from slam.graph.graph import PoseGraph
@@ -20,7 +20,7 @@ from slam.graph.optimizer import chi2
 from slam.graph.suspicion import Suspicion, suspicions
 from slam.graph.verify import residual_ratios
 from slam.history import History
-from slam.params import Params
+from slam.params import Params, specs
 from slam.types import WEIGHT_INVALID, Link, Tier, TrackedFrame
 
 Pair = tuple[int, int]
@@ -33,17 +33,21 @@ class Snapshot:
         revision: grows by one with each change of the file that was noticed.
         reader: of the file.
         tiers: id -> tier of every node.
+        faults: rows that make no sense, of what was read so far; everything else is there without them.
     """
 
-    def __init__(self, reader: MapReader, revision: int, tiers: Mapping[int, Tier]) -> None:
+    def __init__(
+        self, reader: MapReader, revision: int, tiers: Mapping[int, Tier], faults: Faults | None = None
+    ) -> None:
         self.reader = reader
         self.revision = revision
         self.tiers = tiers
+        self.faults: Faults = dict(faults or {})
 
     @cached_property
     def all_nodes(self) -> NodeTable:
         """All nodes of the file, with the merged and dropped ones, which are no part of the map."""
-        return self.reader.nodes()
+        return self.reader.nodes(self.faults)
 
     @cached_property
     def nodes(self) -> NodeTable:
@@ -70,12 +74,16 @@ class Snapshot:
         """Optimised poses that the file lacks."""
         if all(node_id in self.stored_poses for pair in self.links for node_id in pair):
             return Completion()
-        return complete(self.reader, self.stored_poses, self.params)
+        return complete(_Parts(self.nodes, self.all_links, self.stored_poses), self.stored_poses, self.params)
 
     @cached_property
     def stored_poses(self) -> dict[int, Pose]:
         """Optimised poses T_map_base as they are in the file."""
-        return self.reader.poses()
+        try:
+            return self.reader.poses()
+        except DatabaseError as error:
+            self.faults[Fault("Admin", "1", f"optimised poses, which are worked out anew: {error}")] = None
+            return {}
 
     @cached_property
     def poses(self) -> dict[int, Pose]:
@@ -94,7 +102,7 @@ class Snapshot:
     @cached_property
     def all_links(self) -> list[Link]:
         """All links of the file, each pair once."""
-        return self.reader.links()
+        return self.reader.links(self.faults)
 
     @cached_property
     def links(self) -> dict[Pair, Link]:
@@ -125,7 +133,7 @@ class Snapshot:
     @cached_property
     def graph(self) -> PoseGraph:
         """All nodes and links with the poses of this map."""
-        return PoseGraph.from_reader(self.reader)
+        return PoseGraph.from_reader(_Parts(self.nodes, self.all_links, self.poses))
 
     @cached_property
     def chi2(self) -> float:
@@ -149,6 +157,15 @@ class Snapshot:
         return Counter(node_id for pair, link in self.links.items() if link.type.is_loop for node_id in pair)
 
     @cached_property
+    def links_at(self) -> dict[int, list[Link]]:
+        """All links of each node, with priors: RTAB-Map's table has an index over one of both ids alone."""
+        found: dict[int, list[Link]] = {}
+        for link in self.all_links:
+            for node_id in {link.from_id, link.to_id}:
+                found.setdefault(node_id, []).append(link)
+        return found
+
+    @cached_property
     def calibrated(self) -> frozenset[int]:
         """Nodes that have a camera."""
         return frozenset(self.reader.nodes_with("calibration").tolist())
@@ -156,12 +173,14 @@ class Snapshot:
     @cached_property
     def candidates(self) -> dict[Pair, CandidateRow]:
         """The last word about each pair that was looked at as a loop."""
-        return {_pair(row.candidate.from_id, row.candidate.to_id): row for row in self.reader.candidates()}
+        return {
+            _pair(row.candidate.from_id, row.candidate.to_id): row for row in self.reader.candidates(faults=self.faults)
+        }
 
     @cached_property
     def journal(self) -> list[JournalEntry]:
         """People's decisions, oldest first."""
-        return self.reader.journal()
+        return self.reader.journal(self.faults)
 
     @cached_property
     def history(self) -> History:
@@ -171,22 +190,32 @@ class Snapshot:
     @cached_property
     def params(self) -> Params:
         """Parameters of the newest session, with the changes made while it ran."""
-        params = Params()
-        for name, text in self.parameter_texts.items():
+        params, known = Params(), {entry.name for entry in specs()}
+        for name in self.parameter_texts.keys() & known:
+            text = self.parameter_texts[name]
             try:
                 params = params.changed({name: text})
             except ParameterError:
-                # Another program's name, or a value that we don't allow: it stays in the file, the default counts.
+                # A value that we don't allow: it stays in the file, the default counts.
                 continue
         return params
 
     @cached_property
     def parameter_texts(self) -> dict[str, str]:
         """The same as text, names that slamdeck doesn't know included."""
-        sessions = self.reader.sessions()
+        sessions = self.reader.sessions(self.faults)
         began = sessions[-1].started if sessions else None
-        changes = [change for change in self.reader.parameter_changes() if began is None or change.time >= began]
-        return {**self.reader.parameters(), **{change.name: change.value for change in changes}}
+        changes = [
+            change for change in self.reader.parameter_changes(self.faults) if began is None or change.time >= began
+        ]
+        return {**self._stored_parameters(), **{change.name: change.value for change in changes}}
+
+    def _stored_parameters(self) -> dict[str, str]:
+        try:
+            return self.reader.parameters()
+        except DatabaseError as error:
+            self.faults[Fault("Info", "newest", f"defaults stand for its parameters: {error}")] = None
+            return {}
 
     @cached_property
     def has_truth(self) -> bool:
@@ -208,7 +237,7 @@ class Snapshot:
 
     @cached_property
     def _frames(self) -> list[TrackedFrame]:
-        return self.reader.trajectory()
+        return self.reader.trajectory(self.faults)
 
     @cached_property
     def T_map_world(self) -> Pose:
@@ -232,3 +261,19 @@ def _is_constraint(link: Link) -> bool:
 
 def _pair(a: int, b: int) -> Pair:
     return min(a, b), max(a, b)
+
+
+class _Parts:
+    """Nodes, links and poses as a graph is made of them: what makes no sense in the file is left out."""
+
+    def __init__(self, nodes: NodeTable, links: list[Link], poses: dict[int, Pose]) -> None:
+        self._nodes, self._links, self._poses = nodes, links, poses
+
+    def nodes(self) -> NodeTable:
+        return self._nodes
+
+    def links(self) -> list[Link]:
+        return self._links
+
+    def poses(self) -> dict[int, Pose]:
+        return self._poses

@@ -11,11 +11,15 @@ from numpy.typing import NDArray
 from server.browse.columns import number_list
 from server.errors import NotFoundError
 from server.schemas import Hypothesis, Statistics
-from slam.database import MapReader
+from slam.database import Faults, MapReader
 
 
 class StatisticsLog:
-    """All statistics of a map in memory; each update is read once, what comes later is appended."""
+    """All statistics of a map in memory; each update is read once, what comes later is appended.
+
+    Attributes:
+        faults: rows that make no sense, of what was read so far.
+    """
 
     def __init__(self, reader: MapReader) -> None:
         self._reader = reader
@@ -23,6 +27,7 @@ class StatisticsLog:
         self._ids = np.zeros(0, dtype=np.int32)
         self._stamps = np.zeros(0)
         self._values: dict[str, NDArray[np.float64]] = {}
+        self.faults: Faults = {}
 
     def names(self) -> list[str]:
         """All names, sorted."""
@@ -41,21 +46,11 @@ class StatisticsLog:
                 values={name: number_list(self._column(name)[start:]) for name in names},
             )
 
-    def at(self, node_id: int) -> dict[str, float]:
-        """What the update of a node measured; empty when it has no statistics."""
-        with self._lock:
-            self._read_on()
-            row = int(np.searchsorted(self._ids, node_id))
-            if row == len(self._ids) or self._ids[row] != node_id:
-                return {}
-            found = {name: float(column[row]) for name, column in self._values.items()}
-        return {name: value for name, value in found.items() if np.isfinite(value)}
-
     def _column(self, name: str) -> NDArray[np.float64]:
         return self._values.get(name, np.full(len(self._ids), np.nan))
 
     def _read_on(self) -> None:
-        new = self._reader.statistics(after=int(self._ids[-1]) if len(self._ids) else 0)
+        new = self._reader.statistics(after=int(self._ids[-1]) if len(self._ids) else 0, faults=self.faults)
         if not len(new.ids):
             return
         unknown = np.full(len(new.ids), np.nan)
@@ -65,6 +60,15 @@ class StatisticsLog:
         }
         self._ids = np.concatenate([self._ids, new.ids])
         self._stamps = np.concatenate([self._stamps, new.stamps])
+
+
+def values_at(reader: MapReader, node_id: int, faults: Faults) -> dict[str, float]:
+    """What the update of a node measured; empty when it has no statistics, or such as make no sense."""
+    table = reader.statistics([node_id], faults=faults)
+    if not len(table.ids):
+        return {}
+    found = {name: float(column[0]) for name, column in table.values.items()}
+    return {name: value for name, value in found.items() if np.isfinite(value)}
 
 
 def hypothesis(reader: MapReader, update_id: int) -> Hypothesis:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from server.browse.faults import row_faults
 from server.browse.map_view import MapView
 from server.browse.notes import notes
 from server.browse.sessions import session_list
@@ -40,7 +41,10 @@ def facts(info: StoredInfo) -> MapFacts:
 def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
     """One map in detail."""
     snapshot = view.snapshot()
-    info = view.reader.info(sizes=False)
+    info = view.reader.info(sizes=False, faults=snapshot.faults)
+    # What a map is made of: rows of it that make no sense are known now.
+    ate_m, _ = snapshot.ate_m, (snapshot.nodes, snapshot.poses, snapshot.links, snapshot.candidates)
+    faults = snapshot.faults | view.statistics.faults
     return MapInfo(
         **facts(info).model_dump(),
         id=view.file.id,
@@ -49,10 +53,12 @@ def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
         live=live,
         writable=writable,
         has_truth=snapshot.has_truth,
-        ate_m=snapshot.ate_m,
+        ate_m=ate_m,
         notes=notes(snapshot, clean=info.clean, live=live),
         has_model=view.reader.has_cloud(),
-        session_list=session_list(view.reader, snapshot.all_nodes, snapshot.all_links),
+        session_list=session_list(view.reader, snapshot.all_nodes, snapshot.all_links, snapshot.faults),
+        faults=row_faults(faults),
+        fault_count=len(faults),
     )
 
 
@@ -63,7 +69,7 @@ def summary(file: MapFile, *, live: bool) -> MapSummary:
     except OSError as error:
         return _unreadable(file, 0, 0.0, f"{file.name}: {error.strerror}")
     try:
-        info = MapReader(file.path).info(sizes=False)
+        info = MapReader(file.path).info(sizes=False, faults={})
     except DatabaseError as error:
         return _unreadable(file, state.st_size, state.st_mtime, str(error))
     return MapSummary(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from slam.database import MapReader
+from slam.database import Faults, MapReader
 from slam.types import Tier
 
 
@@ -14,12 +14,14 @@ class TierLog:
         self._last = 0
         self._recorded: dict[int, Tier] = {}
 
-    def read(self) -> dict[int, Tier]:
-        """Id -> tier; for files that record no moves, working memory is what RTAB-Map would load into it."""
-        for update in self._reader.updates(after=self._last):
+    def read(self, faults: Faults) -> dict[int, Tier]:
+        """Id -> tier; for files that record no moves, working memory is what RTAB-Map would load into it.
+
+        Updates that make no sense go to ``faults``.
+        """
+        for update in self._reader.updates(after=self._last, faults=faults):
             self._recorded.update(update.tiers)
             self._last = update.id
         if self._recorded:
             return dict(self._recorded)
-        node_ids, _ = self._reader.memory_ids()
-        return dict.fromkeys(node_ids.tolist(), Tier.WM)
+        return dict.fromkeys(self._reader.memory_node_ids().tolist(), Tier.WM)

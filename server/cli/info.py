@@ -13,7 +13,11 @@ from server.cli.options import JsonOption
 from slam.errors import DatabaseError
 
 if TYPE_CHECKING:
-    from slam.database import MapReader
+    from slam.database import Faults, MapReader
+
+
+#: Damaged rows that are listed one by one.
+_MOST_FAULTS = 10
 
 _UNITS = {"span_s": "s", "odometry_m": "m", "map_m": "m"}
 
@@ -27,6 +31,7 @@ def info(
 ) -> None:
     """Version, nodes, links, words, sizes, time, length, what is missing, parameters, and each session."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     from server.browse.summary import facts
@@ -41,22 +46,31 @@ def info(
         parameter_diff(paths, as_json=json)
         return
     reader = MapReader(paths[0])
-    found, sessions, more = facts(reader.info()), _sessions(reader), asdict(describe(reader))
+    faults: Faults = {}
+    found, sessions = facts(reader.info(faults=faults)), _sessions(reader, faults)
+    more = asdict(describe(reader, faults))
     if json:
-        typer.echo(json_format.dumps({**found.model_dump(), **more, "session_list": sessions}))
+        listed = [asdict(fault) for fault in faults]
+        typer.echo(json_format.dumps({**found.model_dump(), **more, "session_list": sessions, "faults": listed}))
         return
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     for name, value in {**found.model_dump(), **more}.items():
         table.add_row(name.replace("_", " "), _text(name, value))
     for session in sessions:
         table.add_row(f"session {session['map_id']}", _session_text(session))
+    for fault in list(faults)[:_MOST_FAULTS]:
+        table.add_row("makes no sense", escape(f"{fault.table}, row {fault.row}: {fault.reason}"))
+    if len(faults) > _MOST_FAULTS:
+        table.add_row("", f"and {len(faults) - _MOST_FAULTS} rows more")
     Console().print(table)
 
 
-def _sessions(reader: MapReader) -> list[dict[str, Any]]:
+def _sessions(reader: MapReader, faults: Faults) -> list[dict[str, Any]]:
     from server.browse.sessions import session_list
 
-    return [session.model_dump() for session in session_list(reader, reader.nodes(), reader.links())]
+    return [
+        session.model_dump() for session in session_list(reader, reader.nodes(faults), reader.links(faults), faults)
+    ]
 
 
 def _session_text(session: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
+from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.maps.point_cloud import Colors, Points, node_cloud
 
@@ -43,7 +44,13 @@ def points_of_each(clouds: int) -> int:
 def view_points(
     image_bgr: NDArray[np.uint8], depth_m: NDArray[np.float32], camera: Camera, T_map_base: Pose, most: int
 ) -> CloudPoints:
-    """At most so many points of what a node saw, evenly spread; no ceiling, and nothing that hangs in the air."""
+    """At most so many points of what a node saw, evenly spread; no ceiling, and nothing that hangs in the air.
+
+    Raises:
+        DatabaseError: the calibration does not say the size of its image.
+    """
+    if not camera.width or not camera.height:
+        raise DatabaseError("the calibration does not say the size of its image: its depth has no place")
     step = max(1, round(depth_m.shape[1] / (_FINE_COLUMNS if most > 2 * _LEAST else _COLUMNS)))
     focal_px = camera.fx * depth_m.shape[1] / camera.width
     points, colours = node_cloud(image_bgr, _without_edges(depth_m, step), camera, step, _FAR_M)

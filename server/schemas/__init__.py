@@ -1,6 +1,6 @@
 """The only shapes that the page may see; its types are generated from them."""
 
-from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RunState, Schema, Size
+from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RowFault, RunState, Schema, Size
 from server.schemas.decisions import Decision, DecisionAction, DecisionEffect, DecisionResult, Journal, JournalEntry
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
 from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRow, Loops
@@ -70,6 +70,7 @@ __all__ = [
     "ParameterSet",
     "ParameterValue",
     "PoseList",
+    "RowFault",
     "RunState",
     "Scene",
     "SceneChange",

@@ -27,6 +27,19 @@ class ErrorDetail(Schema):
     code: str
     message: str
     status: int
+    table: str | None = None
+    """Of the row of the map file that can't be understood, where it is one."""
+    row: str | None = None
+    reason: str | None = None
+
+
+class RowFault(Schema):
+    """A row of a map file that can't be understood; all others are shown."""
+
+    table: str
+    row: str
+    """Its id, or both ids of a link."""
+    reason: str
 
 
 class ErrorBody(Schema):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from server.schemas.base import PoseList, Schema
+from server.schemas.base import PoseList, RowFault, Schema
 
 
 class MapFacts(Schema):
@@ -60,6 +60,9 @@ class MapInfo(MapFacts):
     session_list: list[SessionFacts]
     has_model: bool
     """Whether a mesh or cloud of the whole map is stored."""
+    faults: list[RowFault]
+    """The first hundred rows of the file that make no sense; everything else is shown."""
+    fault_count: int
 
 
 class Landmark(Schema):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from server.schemas.base import PoseList, Schema, TierName
+from server.schemas.base import PoseList, RowFault, Schema, TierName
 from server.schemas.decisions import JournalEntry
 
 
@@ -142,6 +142,8 @@ class NodeDetail(NodeRow):
     has_right: bool
     """Whether the right image of a stereo pair is stored, in place of depth."""
     decisions: list[JournalEntry]
+    faults: list[RowFault]
+    """What of this node makes no sense; the rest is here."""
 
 
 class NodeFeatures(Schema):

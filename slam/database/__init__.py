@@ -1,6 +1,7 @@
 """The map file: RTAB-Map's SQLite schema with slamdeck's own tables beside it; the only place that speaks SQL."""
 
 from slam.database.deck_values import CandidateRow, LoopState, ParameterChange, UpdateRow
+from slam.database.faults import Fault, Faults
 from slam.database.reader import MapReader
 from slam.database.records import JournalEntry, NodeRecord, Reduction, WordRows
 from slam.database.removal import remove_map
@@ -9,6 +10,8 @@ from slam.database.writer import MapWriter
 
 __all__ = [
     "CandidateRow",
+    "Fault",
+    "Faults",
     "JournalEntry",
     "LoopState",
     "MapInfo",

@@ -15,6 +15,7 @@ from slam.database.blobs import (
     unpack_matrix,
     unpack_transform,
 )
+from slam.database.faults import cell_size_of, number_of, text_of
 from slam.database.tables import admin
 from slam.errors import DatabaseError
 from slam.geometry import Pose
@@ -33,7 +34,7 @@ def read_version(connection: Connection) -> str:
         raise DatabaseError(
             f"table Admin has {len(versions)} rows, and exactly one is right: this is no map, or a damaged one"
         )
-    return versions[0] or ""
+    return text_of(versions[0], "its version")[:100]
 
 
 def write_poses(connection: Connection, poses_map_base: Mapping[int, Pose], last: Pose | None) -> None:
@@ -58,7 +59,8 @@ def read_poses(connection: Connection) -> dict[int, Pose]:
         raise DatabaseError(
             f"Admin has {ids.size} ids and {poses.size} numbers of poses, not 12 for each: the file is damaged"
         )
-    stack = stack_rows(poses.astype(np.float32).ravel())
+    with np.errstate(over="ignore"):
+        stack = stack_rows(poses.astype(np.float32).ravel())
     pairs = zip(ids.ravel().tolist(), stack, strict=True)
     return {int(node_id): T_map_base for node_id, T_map_base in pairs if not np.isnan(T_map_base[0, 0])}
 
@@ -82,9 +84,13 @@ def read_grid(connection: Connection) -> OccupancyGrid | None:
     cells = unpack_matrix(row.opt_map)
     if cells is None or not row.opt_map_resolution:
         return None
-    return OccupancyGrid(
-        cells.astype(np.int8), float(row.opt_map_x_min), float(row.opt_map_y_min), float(row.opt_map_resolution)
-    )
+    if cells.ndim != 2:
+        raise DatabaseError(f"Admin has a grid of shape {cells.shape}, not one of rows and columns: it is damaged")
+    x_min, y_min = number_of(row.opt_map_x_min, "opt_map_x_min"), number_of(row.opt_map_y_min, "opt_map_y_min")
+    with np.errstate(invalid="ignore"):
+        return OccupancyGrid(
+            cells.astype(np.int8), x_min, y_min, cell_size_of(row.opt_map_resolution, "opt_map_resolution")
+        )
 
 
 def forget_dictionary_index(connection: Connection) -> None:

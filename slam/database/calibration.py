@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from slam.camera import Camera
 from slam.database.blobs import pack_transform, unpack_transform
+from slam.database.camera_check import check_length, checked_camera
 from slam.errors import DatabaseError
 
 _HEADER = struct.Struct("<11i")
@@ -60,6 +61,7 @@ def unpack_rig(blob: bytes) -> tuple[tuple[Camera, float | None], ...]:
         DatabaseError: the blob is damaged.
     """
     rig: list[tuple[Camera, float | None]] = []
+    check_length(blob)
     while blob:
         if len(blob) < 16:
             raise DatabaseError(f"calibration ends with {len(blob)} bytes that are no camera: it is damaged")
@@ -101,7 +103,7 @@ def _camera(width: int, height: int, projection: NDArray[np.float64], T_base_cam
     if projection.size == 0 or T_base_cam is None:
         raise DatabaseError("calibration lacks the intrinsics or the local transform: this node has no usable camera")
     fx, fy, cx, cy = projection[0, 0], projection[1, 1], projection[0, 2], projection[1, 2]
-    return Camera(width, height, float(fx), float(fy), float(cx), float(cy), T_base_cam)
+    return checked_camera(Camera(width, height, float(fx), float(fy), float(cx), float(cy), T_base_cam))
 
 
 def _unpack_stereo(blob: bytes) -> tuple[Camera, float, int]:

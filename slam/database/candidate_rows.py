@@ -6,14 +6,15 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, Row, select
+from sqlalchemy import Connection, select
 
 from slam.database.blobs import pack_pose, unpack_information, unpack_pose
 from slam.database.deck_tables import candidate
 from slam.database.deck_values import CandidateRow, LoopState
+from slam.database.faults import Faults, each_sound, link_type_of, node_id_of, number_of, text_of, whole_of
 from slam.database.insertion import insert_rows
 from slam.database.journal_rows import read_standing
-from slam.types import Candidate, LinkType, Refusal
+from slam.types import Candidate, Refusal
 
 _COLUMNS = tuple(c for c in candidate.c.keys() if c != "id")  # noqa: SIM118 (columns, not a dictionary)
 _DECIDED = {"approve": LoopState.APPROVED, "reject": LoopState.REJECTED, "add": LoopState.ADDED}
@@ -24,11 +25,14 @@ def insert_candidates(connection: Connection, update_id: int, candidates: Iterab
     insert_rows(connection, candidate, _COLUMNS, [_row(update_id, item) for item in candidates])
 
 
-def read_candidates(connection: Connection, after: int) -> list[CandidateRow]:
-    """The candidates after number ``after``, ascending, each with the decision about its pair that stands."""
-    decided = {entry.pair: _DECIDED[entry.action] for entry in read_standing(connection)}
+def read_candidates(connection: Connection, after: int, faults: Faults | None = None) -> list[CandidateRow]:
+    """The candidates after number ``after``, ascending, each with the decision about its pair that stands.
+
+    Rows that make no sense go to ``faults``.
+    """
+    decided = {entry.pair: _DECIDED[entry.action] for entry in read_standing(connection, faults)}
     rows = connection.execute(select(candidate).where(candidate.c.id > after).order_by(candidate.c.id))
-    return [_candidate_row(row, decided) for row in rows]
+    return list(each_sound(candidate.name, rows, lambda row: _candidate_row(row, decided), faults))
 
 
 def _row(update_id: int, item: Candidate) -> tuple[Any, ...]:
@@ -48,22 +52,22 @@ def _row(update_id: int, item: Candidate) -> tuple[Any, ...]:
     )
 
 
-def _candidate_row(row: Row[Any], decided: dict[tuple[int, int], LoopState]) -> CandidateRow:
+def _candidate_row(row: Any, decided: dict[tuple[int, int], LoopState]) -> CandidateRow:
     refusal = None
     if row.refusal_test is not None:
-        value, threshold = (np.nan if v is None else v for v in (row.refusal_value, row.refusal_threshold))
-        refusal = Refusal(row.refusal_test, value, threshold, row.refusal_text)
+        value, threshold = (np.nan if v is None else float(v) for v in (row.refusal_value, row.refusal_threshold))
+        refusal = Refusal(text_of(row.refusal_test, "test"), value, threshold, text_of(row.refusal_text, "text"))
     item = Candidate(
-        from_id=row.from_id,
-        to_id=row.to_id,
-        type=LinkType(row.type),
-        posterior=np.nan if row.posterior is None else row.posterior,
-        matches=row.matches,
-        inliers=row.inliers,
+        from_id=node_id_of(row.from_id),
+        to_id=node_id_of(row.to_id),
+        type=link_type_of(row.type),
+        posterior=np.nan if row.posterior is None else number_of(row.posterior, "posterior"),
+        matches=whole_of(row.matches, "matches"),
+        inliers=whole_of(row.inliers, "inliers"),
         T_from_to=unpack_pose(row.transform),
         information=None if row.information is None else unpack_information(row.information),
         refusal=refusal,
     )
     outcome = LoopState.ACCEPTED if refusal is None else LoopState.REFUSED
     pair = (min(row.from_id, row.to_id), max(row.from_id, row.to_id))
-    return CandidateRow(row.id, row.update_id, item, decided.get(pair, outcome))
+    return CandidateRow(row.id, whole_of(row.update_id, "update_id"), item, decided.get(pair, outcome))

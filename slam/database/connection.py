@@ -14,6 +14,10 @@ from urllib.parse import quote
 from sqlalchemy import Connection, Engine, NullPool, create_engine, event
 from sqlalchemy.exc import OperationalError
 
+from slam.database.file_check import size_with_log
+from slam.database.guard import SMALL_VALUE, check_schema, restrain, restrain_reader
+from slam.database.writable import check_writable
+
 T = TypeVar("T")
 
 #: Seconds to wait for a lock of SQLite's, which other connections hold for moments.
@@ -27,16 +31,27 @@ _LOG_HEADER = 32
 
 def reading_engine(path: Path) -> Engine:
     """Engine whose connections never change a byte of the file or its log, and see a writer's last commit."""
-    return _engine(lambda: _connect(path, _read_only_mode(path)), "BEGIN")
+    return _engine(lambda: _restrained(path), "BEGIN")
 
 
 @contextmanager
-def reading(engine: Engine) -> Iterator[Connection]:
-    """A connection in a transaction: all that is read through it is of one commit."""
+def reading(engine: Engine, largest: int = SMALL_VALUE) -> Iterator[Connection]:
+    """A connection in a transaction: all that is read through it is of one commit.
+
+    Values of more bytes than ``largest`` are refused.
+    """
     with _GATE:
         pass
     with closing(_persist(lambda: _begun(engine), _COMING_AND_GOING_SECONDS)) as connection:
+        check_schema(_driver(connection))
+        _driver(connection).setlimit(sqlite3.SQLITE_LIMIT_LENGTH, largest)
         yield connection
+
+
+def _restrained(path: Path) -> sqlite3.Connection:
+    driver = _connect(path, _read_only_mode(path))
+    restrain_reader(driver, size_with_log(path))
+    return driver
 
 
 def _begun(engine: Engine) -> Connection:
@@ -71,6 +86,10 @@ def _begin_writing(engine: Engine, check: Callable[[Connection], None]) -> Conne
     with ExitStack() as undo:
         connection = engine.connect()
         undo.callback(connection.close)
+        driver = _driver(connection)
+        restrain(driver)
+        check_schema(driver)
+        check_writable(driver)
         with connection.begin():
             check(connection)
         _begin_log(_driver(connection))

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from sqlalchemy import Column, Connection, func, insert, select
 
 from slam.camera import Camera
-from slam.database.blobs import NOTHING, pack_row, unpack_matrix
+from slam.database.blobs import MAX_CLOUD_BYTES, NOTHING, pack_row, unpack_matrix
 from slam.database.calibration import pack_camera, unpack_cameras, unpack_rig
 from slam.database.encoder import ImageEncoder
+from slam.database.faults import cell_size_of, number_of
 from slam.database.image_size import claimed_size
 from slam.database.records import NodeRecord
 from slam.database.scans import pack_scan, unpack_scan
@@ -24,6 +25,8 @@ from slam.params import Params
 from slam.types import LocalGrid, Scan
 
 _GRID = (data.c.ground_cells, data.c.obstacle_cells, data.c.empty_cells)
+#: Cells are around their node.
+_FARTHEST_CELL_M = 1000.0
 _VIEW = (data.c.view_point_x, data.c.view_point_y, data.c.view_point_z)
 _EMPTY: Mapping[str, object] = MappingProxyType({})
 
@@ -128,9 +131,16 @@ def read_local_grid(connection: Connection, node_id: int) -> LocalGrid | None:
     row = connection.execute(select(data.c.cell_size, *_VIEW, *_GRID).where(data.c.id == node_id)).first()
     if row is None or not row.cell_size:
         return None
-    x, y, z = (float(v or 0.0) for v in row[1:4])
+    cell_size = cell_size_of(row.cell_size, "cell_size")
+    x, y, z = (number_of(value, column.name) for value, column in zip(row[1:4], _VIEW, strict=True))
     ground, obstacles, empty = (_cells(blob) for blob in row[4:])
-    return LocalGrid(ground, obstacles, empty, float(row.cell_size), (x, y, z))
+    return LocalGrid(ground, obstacles, empty, cell_size, (x, y, z))
+
+
+def read_first_with(connection: Connection, column: Column[bytes]) -> int | None:
+    """The smallest id of the nodes whose ``column`` holds something; None when there is none."""
+    query = select(data.c.id).where(func.length(column) > NOTHING).order_by(data.c.id).limit(1)
+    return connection.scalar(query)
 
 
 def read_ids_with(connection: Connection, column: Column[bytes]) -> NDArray[np.int32]:
@@ -164,7 +174,15 @@ def _present(blob: bytes | None, node_id: int, what: str) -> bytes:
 
 
 def _cells(blob: bytes | None) -> NDArray[np.float32]:
-    matrix = unpack_matrix(blob)
+    matrix = unpack_matrix(blob, MAX_CLOUD_BYTES)
     if matrix is None:
         return np.zeros((0, 2), dtype=np.float32)
-    return np.ascontiguousarray(matrix.reshape(-1, matrix.shape[-1])[:, :2], dtype=np.float32)
+    if matrix.ndim != 3 or matrix.dtype != np.float32:
+        raise DatabaseError(f"local grid has cells of shape {matrix.shape} and {matrix.dtype}, not x, y of float32")
+    cells = np.ascontiguousarray(matrix.reshape(-1, matrix.shape[-1])[:, :2], dtype=np.float32)
+    far = ~(np.abs(cells) < _FARTHEST_CELL_M)
+    if far.any():
+        raise DatabaseError(
+            f"local grid has a cell at {cells[far][0]:g} m: no sensor sees beyond {_FARTHEST_CELL_M:g} m"
+        )
+    return cells

@@ -5,6 +5,7 @@ from __future__ import annotations
 from slam.database import update_rows
 from slam.database.candidate_rows import read_candidates
 from slam.database.deck_values import CandidateRow, ParameterChange, UpdateRow
+from slam.database.faults import Faults
 from slam.database.file_reader import FileReader
 from slam.database.frame_rows import read_frames
 from slam.database.journal_rows import read_journal
@@ -14,34 +15,37 @@ from slam.types import Posterior, TrackedFrame
 
 
 class DeckReader(FileReader):
-    """Updates, candidates, frames and decisions; all are empty for files that RTAB-Map wrote."""
+    """Updates, candidates, frames and decisions; all are empty for files that RTAB-Map wrote.
 
-    def trajectory(self) -> list[TrackedFrame]:
+    Rows that make no sense are a DamagedRowError, or go to ``faults`` where that is given and all others are wanted.
+    """
+
+    def trajectory(self, faults: Faults | None = None) -> list[TrackedFrame]:
         """All tracked frames in the order of time."""
         with self._deck("reading the trajectory") as connection:
-            return read_frames(connection) if connection else []
+            return read_frames(connection, faults) if connection else []
 
-    def updates(self, after: int = 0) -> list[UpdateRow]:
+    def updates(self, after: int = 0, faults: Faults | None = None) -> list[UpdateRow]:
         """The updates after a node, ascending."""
         with self._deck("reading the updates") as connection:
-            return update_rows.read_updates(connection, after) if connection else []
+            return update_rows.read_updates(connection, after, faults) if connection else []
 
     def hypotheses(self, update_id: int) -> Posterior | None:
         """The best places of an update's belief and the virtual place; None where it had none."""
         with self._deck(f"reading the hypotheses of update {update_id}") as connection:
             return update_rows.read_belief(connection, update_id) if connection else None
 
-    def candidates(self, after: int = 0) -> list[CandidateRow]:
+    def candidates(self, after: int = 0, faults: Faults | None = None) -> list[CandidateRow]:
         """The loop closures that were looked at, after a candidate's number, ascending."""
         with self._deck("reading the candidates") as connection:
-            return read_candidates(connection, after) if connection else []
+            return read_candidates(connection, after, faults) if connection else []
 
-    def journal(self) -> list[JournalEntry]:
+    def journal(self, faults: Faults | None = None) -> list[JournalEntry]:
         """People's decisions, oldest first."""
         with self._deck("reading the journal") as connection:
-            return read_journal(connection) if connection else []
+            return read_journal(connection, faults) if connection else []
 
-    def parameter_changes(self) -> list[ParameterChange]:
+    def parameter_changes(self, faults: Faults | None = None) -> list[ParameterChange]:
         """Parameters changed while an engine ran, oldest first."""
         with self._deck("reading the parameter changes") as connection:
-            return read_parameter_changes(connection) if connection else []
+            return read_parameter_changes(connection, faults) if connection else []

@@ -14,12 +14,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from slam.database.image_size import MAX_PIXELS, MAX_SIDE
+from slam.database.images import RVL_MAGIC as MAGIC
 from slam.errors import DatabaseError
 
-MAGIC = b"DEPTHRVL"
 _HEADER = struct.Struct("<8s2I")
-#: Pixels from which a header is taken for damaged.
-MAX_PIXELS = 1 << 26
 
 
 def encode_rvl(depth_mm: NDArray[np.uint16]) -> bytes:
@@ -42,7 +41,7 @@ def decode_rvl(blob: bytes) -> NDArray[np.uint16]:
             f"depth image of {len(blob)} bytes is no RVL image: it must start with {MAGIC.decode()} and its size"
         )
     _, width, height = _HEADER.unpack_from(blob)
-    if not 0 < width * height <= MAX_PIXELS:
+    if not 0 < width * height <= MAX_PIXELS or max(width, height) > MAX_SIDE:
         raise DatabaseError(f"RVL depth image claims {width}x{height} pixels: it is damaged")
     body = blob[_HEADER.size :]
     words = np.frombuffer(body, dtype="<u4", count=len(body) // 4).astype(np.int64)

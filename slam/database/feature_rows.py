@@ -87,6 +87,9 @@ def read_features(connection: Connection, node_id: int) -> tuple[Features, NDArr
         descriptors=read_descriptors(node_id, widths, raw),
         points_base=np.column_stack([_float32(px), _float32(py), _float32(pz)]),
     )
+    for name in ("pixels", "sizes", "angles", "responses"):
+        if not np.isfinite(getattr(features, name)).all():
+            raise DatabaseError(f"one of its key points has {name} that are not finite: the file is damaged")
     return features, np.array(words, dtype=np.int32)
 
 

@@ -37,6 +37,11 @@ def check_file(path: Path) -> None:
         raise DatabaseError(f"{path} is empty: {_HOW}")
 
 
+def size_with_log(path: Path) -> int:
+    """Bytes of a file and of the log beside it."""
+    return sum(part.stat().st_size for part in (path, path.with_name(path.name + "-wal")) if part.exists())
+
+
 def check_version(version: str) -> Version:
     """The three numbers of a version that can be read.
 

@@ -11,6 +11,7 @@ from sqlalchemy import Connection
 from slam.database.admin_rows import read_version
 from slam.database.connection import reading, reading_engine
 from slam.database.file_check import check_file, check_version
+from slam.database.guard import SMALL_VALUE
 from slam.database.old_schema import present, views
 from slam.database.refusal import refusing
 from slam.database.schema import has_deck_tables
@@ -35,9 +36,10 @@ class FileReader:
             self._views = views(connection, self.version)
 
     @contextmanager
-    def _reading(self, doing: str) -> Iterator[Connection]:
+    def _reading(self, doing: str, largest: int = SMALL_VALUE) -> Iterator[Connection]:
+        """A connection for one call; values of more bytes than ``largest`` are refused."""
         check_file(self.path)
-        with refusing(self.path, doing), _making_sense(), reading(self._engine) as connection:
+        with refusing(self.path, doing), _making_sense(), reading(self._engine, largest) as connection:
             present(connection, self._views)
             yield connection
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from sqlalchemy import Connection, select
 
 from slam.database.blobs import pack_pose, unpack_poses
 from slam.database.deck_tables import frame
+from slam.database.faults import Faults, each_sound, number_of, text_of, whole_of
 from slam.database.insertion import insert_rows
 from slam.types import TrackedFrame
 
@@ -33,9 +35,9 @@ def insert_frames(connection: Connection, map_id: int, frames: Iterable[TrackedF
     insert_rows(connection, frame, _COLUMNS, rows)
 
 
-def read_frames(connection: Connection) -> list[TrackedFrame]:
-    """All tracked frames, in the order of time."""
-    rows = connection.execute(select(frame).order_by(frame.c.id)).all()
+def read_frames(connection: Connection, faults: Faults | None = None) -> list[TrackedFrame]:
+    """All tracked frames, in the order of time. Rows that make no sense go to ``faults``."""
+    rows = list(each_sound(frame.name, connection.execute(select(frame).order_by(frame.c.id)), _checked, faults))
     T_node_base = unpack_poses([row.T_node_base for row in rows])
     T_world_base = unpack_poses([row.T_world_base for row in rows])
     return [
@@ -51,3 +53,12 @@ def read_frames(connection: Connection) -> list[TrackedFrame]:
         )
         for row, T_node, T_world in zip(rows, T_node_base, T_world_base, strict=True)
     ]
+
+
+def _checked(row: Any) -> Any:
+    for name in ("frame_index", "node_id", "inliers"):
+        whole_of(getattr(row, name), name)
+    for name in ("stamp", "odometry_ms"):
+        number_of(getattr(row, name), name)
+    text_of(row.lost, "lost")
+    return row

@@ -8,11 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.database.depth_codec import MAGIC, MAX_PIXELS, decode_rvl, encode_rvl
-from slam.database.image_size import claimed_pixels
+from slam.database.image_size import check_size
 from slam.errors import DatabaseError
 
 JPEG_QUALITY = 95
+#: First bytes of a depth image in RVL.
+RVL_MAGIC = b"DEPTHRVL"
 _MM_PER_M = np.float32(1000.0)
 
 
@@ -40,7 +41,12 @@ def encode_depth(depth_m: NDArray[np.float32], extension: str) -> bytes:
         mm = np.rint(depth_m * _MM_PER_M)
         known = (mm > 0) & (mm <= np.iinfo(np.uint16).max)
     depth_mm = np.where(known, mm, 0).astype(np.uint16)
-    return encode_rvl(depth_mm) if extension == ".rvl" else _encoded(extension, depth_mm, [])
+    if extension != ".rvl":
+        return _encoded(extension, depth_mm, [])
+    # Compiled code: loaded by the first who needs it, not by everybody who opens a map.
+    from slam.database.depth_codec import encode_rvl
+
+    return encode_rvl(depth_mm)
 
 
 def decode_depth(blob: bytes) -> NDArray[np.float32]:
@@ -49,7 +55,7 @@ def decode_depth(blob: bytes) -> NDArray[np.float32]:
     Raises:
         DatabaseError: the bytes are no depth image (the right image of a stereo pair, for example).
     """
-    raw = decode_rvl(blob) if blob.startswith(MAGIC) else _decoded(blob, cv2.IMREAD_UNCHANGED, "depth")
+    raw = _decoded_rvl(blob) if blob.startswith(RVL_MAGIC) else _decoded(blob, cv2.IMREAD_UNCHANGED, "depth")
     if raw.dtype == np.uint16 and raw.ndim == 2:
         return np.asarray(raw.astype(np.float32) / _MM_PER_M)
     if raw.dtype == np.uint8 and raw.ndim == 3 and raw.shape[2] == 4:
@@ -60,6 +66,12 @@ def decode_depth(blob: bytes) -> NDArray[np.float32]:
         f"depth image has {raw.dtype} pixels of shape {raw.shape}: it must be 16-bit millimetres or float metres "
         "(the right image of a stereo pair is no depth)"
     )
+
+
+def _decoded_rvl(blob: bytes) -> NDArray[np.uint16]:
+    from slam.database.depth_codec import decode_rvl
+
+    return decode_rvl(blob)
 
 
 def _encoded(extension: str, image: NDArray[np.integer], options: list[int]) -> bytes:
@@ -73,12 +85,9 @@ def _encoded(extension: str, image: NDArray[np.integer], options: list[int]) -> 
 
 
 def _decoded(blob: bytes, flags: int, kind: str) -> NDArray[np.generic]:
-    if claimed_pixels(blob) > MAX_PIXELS:
-        raise DatabaseError(
-            f"{kind} image claims {claimed_pixels(blob)} pixels, more than any camera has: it is damaged"
-        )
+    check_size(blob, kind)
     try:
-        image = cv2.imdecode(np.frombuffer(blob, dtype=np.uint8), flags) if blob else None
+        image = cv2.imdecode(np.frombuffer(blob, dtype=np.uint8), flags)
     except cv2.error as error:
         raise DatabaseError(f"{kind} image of {len(blob)} bytes can't be decoded: {error.err}") from error
     if image is None:

@@ -6,13 +6,14 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from sqlalchemy import Connection, Row, insert, select
+from sqlalchemy import Connection, insert, select
 
 from slam.database.blobs import pack_information, pack_pose, unpack_information, unpack_pose
 from slam.database.deck_tables import journal
+from slam.database.faults import Faults, each_sound, link_type_of, number_of, text_of, whole_of
 from slam.database.records import JournalEntry
 from slam.errors import DatabaseError
-from slam.types import Link, LinkType
+from slam.types import Link
 
 #: Decisions, and the actions that take one of them (or an undo) back.
 DECISIONS = ("approve", "reject", "add")
@@ -49,9 +50,13 @@ def append_entry(connection: Connection, entry: JournalEntry) -> int:
     return int(number)
 
 
-def read_journal(connection: Connection) -> list[JournalEntry]:
-    """All entries, oldest first. An entry is undone while an entry that takes it back stands itself."""
-    entries = [_entry(row) for row in connection.execute(select(journal).order_by(journal.c.id))]
+def read_journal(connection: Connection, faults: Faults | None = None) -> list[JournalEntry]:
+    """All entries, oldest first. An entry is undone while an entry that takes it back stands itself.
+
+    Rows that make no sense go to ``faults``.
+    """
+    rows = connection.execute(select(journal).order_by(journal.c.id))
+    entries = list(each_sound(journal.name, rows, _entry, faults))
     undone_by: dict[int, int] = {}
     for entry in reversed(entries):
         if entry.undoes is not None and entry.id not in undone_by:
@@ -59,9 +64,11 @@ def read_journal(connection: Connection) -> list[JournalEntry]:
     return [replace(entry, undone_by=undone_by.get(entry.id)) for entry in entries]
 
 
-def read_standing(connection: Connection) -> list[JournalEntry]:
+def read_standing(connection: Connection, faults: Faults | None = None) -> list[JournalEntry]:
     """The decisions that stand, oldest first: neither undone nor entries that undo."""
-    return [entry for entry in read_journal(connection) if entry.action in DECISIONS and entry.undone_by is None]
+    return [
+        entry for entry in read_journal(connection, faults) if entry.action in DECISIONS and entry.undone_by is None
+    ]
 
 
 def _last_standing(connection: Connection, entry: JournalEntry) -> int:
@@ -82,26 +89,28 @@ def _link_values(when: str, item: Link | None) -> dict[str, Any]:
     }
 
 
-def _entry(row: Row[Any]) -> JournalEntry:
+def _entry(row: Any) -> JournalEntry:
+    if row.action not in (*DECISIONS, *_TAKES_BACK):
+        raise DatabaseError(f"decision {str(row.action)[:40]!r} is unknown")
     return JournalEntry(
         id=row.id,
-        time=row.time,
-        author=row.author,
+        time=number_of(row.time, "time"),
+        author=text_of(row.author, "author"),
         action=row.action,
-        from_id=row.from_id,
-        to_id=row.to_id,
+        from_id=whole_of(row.from_id, "from_id"),
+        to_id=whole_of(row.to_id, "to_id"),
         link_before=_link(row, row.type_before, row.transform_before, row.information_before),
         link_after=_link(row, row.type_after, row.transform_after, row.information_after),
-        note=row.note,
-        undoes=row.undoes,
-        chi2_before=row.chi2_before,
-        chi2_after=row.chi2_after,
-        moved=row.moved,
-        max_shift_m=row.max_shift_m,
+        note=text_of(row.note, "note"),
+        undoes=None if row.undoes is None else whole_of(row.undoes, "undoes"),
+        chi2_before=None if row.chi2_before is None else float(row.chi2_before),
+        chi2_after=None if row.chi2_after is None else float(row.chi2_after),
+        moved=whole_of(row.moved, "moved"),
+        max_shift_m=number_of(row.max_shift_m, "max_shift_m"),
     )
 
 
-def _link(row: Row[Any], kind: int | None, transform: bytes | None, information: bytes | None) -> Link | None:
+def _link(row: Any, kind: int | None, transform: bytes | None, information: bytes | None) -> Link | None:
     if kind is None:
         return None
-    return Link(row.from_id, row.to_id, LinkType(kind), unpack_pose(transform), unpack_information(information))
+    return Link(row.from_id, row.to_id, link_type_of(kind), unpack_pose(transform), unpack_information(information))

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from sqlalchemy import Connection, delete, select, text
 
-from slam.database.blobs import pack_information, pack_transform, unpack_information, unpack_transform
+from slam.database.blobs import (
+    INFORMATION_BYTES,
+    TRANSFORM_BYTES,
+    check_information,
+    pack_information,
+    pack_transform,
+    stack_informations,
+    stack_transforms,
+)
+from slam.database.faults import Faults, blob_of, each_sound, link_type_of, whole_of
 from slam.database.insertion import insert_rows
 from slam.database.tables import link
 from slam.errors import DatabaseError
@@ -51,19 +61,23 @@ def remove_link(connection: Connection, from_id: int, to_id: int) -> None:
         raise DatabaseError(f"link {from_id}-{to_id} can't be removed: the map has none between these nodes")
 
 
-def read_links(connection: Connection) -> list[Link]:
+def read_links(connection: Connection, faults: Faults | None = None) -> list[Link]:
     """All links, each pair once and from the newer node to the older where the file has that direction.
 
     Missing reverse rows and duplicates, which files of killed programs have, are tolerated: the last row counts.
+    Rows that make no sense go to ``faults``.
     """
     query = select(link.c.from_id, link.c.to_id, link.c.type, link.c.information_matrix, link.c.transform)
-    found: dict[tuple[int, int, bool], tuple[int, int, int, bytes, bytes | None]] = {}
-    for from_id, to_id, *rest in connection.execute(query.order_by(text("rowid"))):
+    rows = list(each_sound("Link", connection.execute(query.order_by(text("rowid"))), _columns, faults, columns=2))
+    ids, informations, transforms = zip(*rows, strict=True) if rows else ((),) * 3
+    matrices = zip(ids, stack_informations(informations), stack_transforms(transforms), transforms, strict=True)
+    found: dict[tuple[int, int, bool], Link] = {}
+    for item in each_sound("Link", ((*row[0][:2], row) for row in matrices), _link, faults, columns=2):
         # A node may have a prior and gravity, both links to itself.
-        key = (min(from_id, to_id), max(from_id, to_id), rest[0] == LinkType.GRAVITY)
-        if key not in found or found[key][0] <= found[key][1] or from_id > to_id:
-            found[key] = (from_id, to_id, *rest)
-    return [_link(*found[key]) for key in sorted(found)]
+        key = (*item.pair, item.type == LinkType.GRAVITY)
+        if key not in found or found[key].from_id <= found[key].to_id or item.from_id > item.to_id:
+            found[key] = item
+    return [found[key] for key in sorted(found)]
 
 
 def count_one_way(connection: Connection) -> int:
@@ -94,8 +108,22 @@ def _rows_between(connection: Connection, from_id: int, to_id: int, kind: LinkTy
     return connection.scalars(select(link.c.type).where(pair)).all()
 
 
-def _link(from_id: int, to_id: int, kind: int, information: bytes | None, transform: bytes | None) -> Link:
-    try:
-        return Link(from_id, to_id, LinkType(kind), unpack_transform(transform), unpack_information(information))
-    except ValueError as error:
-        raise DatabaseError(f"link {from_id}-{to_id} has type {kind}, which RTAB-Map does not know") from error
+def _columns(row: Any) -> tuple[tuple[int, int, LinkType], bytes | None, bytes | None]:
+    from_id, to_id, kind, information, transform = row
+    for end in (from_id, to_id):
+        if whole_of(end, "one of its ids") == 0:
+            raise DatabaseError("one of its ids is 0, and nodes begin with 1")
+    blobs = (
+        blob_of(information, "information matrix", INFORMATION_BYTES),
+        blob_of(transform, "transform", TRANSFORM_BYTES),
+    )
+    return (from_id, to_id, link_type_of(kind)), *blobs
+
+
+def _link(named: tuple[Any, ...]) -> Link:
+    (from_id, to_id, kind), information, T_from_to, transform = named[-1]
+    check_information(information)
+    known = bool(np.isfinite(T_from_to[0, 0]))
+    if not known and transform is not None and any(transform):
+        raise DatabaseError("its transform is no rigid motion of finite numbers")
+    return Link(from_id, to_id, kind, T_from_to if known else None, information)

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, case, func, insert, select, update
+from numpy.typing import NDArray
+from sqlalchemy import Connection, case, func, insert, or_, select, update
 
-from slam.database.blobs import NOTHING, pack_transform, stack_transforms, unpack_transform
+from slam.database.blobs import NOTHING, TRANSFORM_BYTES, pack_transform, stack_transforms, unpack_transform
+from slam.database.faults import Fault, Faults, blob_of, each_sound, node_id_of, number_of, text_of, whole_of
 from slam.database.rows import NodeRow, NodeTable
 from slam.database.tables import data, feature, node
 from slam.errors import DatabaseError
 from slam.types import Node
+
+#: Characters of a label that are read.
+LONGEST_LABEL = 1000
+#: A row of the table as its columns have it: id, session, weight, stamp, both poses, label.
+NodeColumns = tuple[int, int, int, float, bytes | None, bytes | None, str | None]
 
 
 def insert_node(
@@ -81,28 +89,66 @@ def read_node_ids(connection: Connection) -> set[int]:
     return set(connection.scalars(select(node.c.id)))
 
 
-def read_nodes(connection: Connection) -> NodeTable:
-    """All nodes as columns, ascending by id; nothing of their data."""
+def read_nodes(connection: Connection, faults: Faults | None = None) -> NodeTable:
+    """All nodes as columns, ascending by id; nothing of their data. Rows that make no sense go to ``faults``."""
     columns = (
         node.c.id,
         node.c.map_id,
         node.c.weight,
         node.c.stamp,
-        node.c.pose,
-        node.c.ground_truth_pose,
-        node.c.label,
+        *(case((func.length(pose) == TRANSFORM_BYTES, pose)) for pose in (node.c.pose, node.c.ground_truth_pose)),
+        func.substr(node.c.label, 1, LONGEST_LABEL),
     )
-    rows = connection.execute(select(*columns).order_by(node.c.id)).all()
+    found = connection.execute(select(*columns).order_by(node.c.id))
+    rows = list(each_sound("Node", found, _row_maker(), faults))
     ids, map_ids, weights, stamps, odom, world, labels = zip(*rows, strict=True) if rows else ((),) * 7
+    T_odom, T_world = stack_transforms(odom), stack_transforms(world)
+    if faults is not None:
+        faults |= _unreadable_poses(ids, odom, T_odom, "pose") | _unreadable_poses(ids, world, T_world, "ground truth")
     return NodeTable(
         ids=np.array(ids, dtype=np.int32),
         map_ids=np.array(map_ids, dtype=np.int32),
-        weights=np.array([w or 0 for w in weights], dtype=np.int32),
-        stamps=np.array([s or 0.0 for s in stamps], dtype=np.float64),
-        T_odom=stack_transforms(odom),
-        T_world=stack_transforms(world),
+        weights=np.array(weights, dtype=np.int32),
+        stamps=np.array(stamps, dtype=np.float64),
+        T_odom=T_odom,
+        T_world=T_world,
         labels=tuple(labels),
     )
+
+
+def _unreadable_poses(
+    ids: Iterable[int], blobs: Iterable[bytes | None], stack: NDArray[np.float64], what: str
+) -> Faults:
+    """Nodes whose pose is given and is none."""
+    unknown = np.isnan(stack[:, 0, 0]).tolist()
+    named = (i for i, blob, lost in zip(ids, blobs, unknown, strict=True) if lost and blob is not None and any(blob))
+    return {
+        Fault("Node", str(i), f"its {what} is no rigid motion of finite numbers: it counts as unknown"): None
+        for i in named
+    }
+
+
+def _row_maker() -> Callable[[Any], NodeColumns]:
+    """Checks rows that come ascending by id."""
+    last = 0
+
+    def make(row: Any) -> NodeColumns:
+        nonlocal last
+        node_id, map_id, weight, stamp, odom, world, label = row
+        if node_id_of(node_id) <= last:
+            raise DatabaseError(f"there is a node {node_id} already")
+        last = node_id
+        named = label if label is None else text_of(label, "label")
+        numbers = node_id, whole_of(map_id, "map_id"), whole_of(weight, "weight"), number_of(stamp, "stamp")
+        return *numbers, *(blob_of(pose, "pose", TRANSFORM_BYTES) for pose in (odom, world)), named
+
+    return make
+
+
+def read_word_counts(connection: Connection, ids: Sequence[int]) -> dict[int, int]:
+    """Id -> number of key points that are words of the dictionary, of those of these nodes that have any."""
+    words = select(feature.c.node_id, func.count()).where(feature.c.node_id.in_(ids) & (feature.c.word_id > 0))
+    return dict(connection.execute(words.group_by(feature.c.node_id)).all())
 
 
 def read_node(connection: Connection, node_id: int) -> NodeRow:
@@ -111,27 +157,30 @@ def read_node(connection: Connection, node_id: int) -> NodeRow:
     Raises:
         DatabaseError: it is not in the map.
     """
-    lengths = (func.coalesce(func.length(c), 0) for c in (data.c.image, data.c.depth))
+    lengths = (func.coalesce(func.length(c), 0) for c in (data.c.image, data.c.depth, data.c.calibration))
     sizes = [case((length > NOTHING, length), else_=0) for length in lengths]
-    grid = func.coalesce(data.c.cell_size, 0.0) > 0
+    # Lengths are in a row's head; other columns behind the images would cost reading these.
+    cells = (data.c.ground_cells, data.c.obstacle_cells, data.c.empty_cells)
+    grid = or_(*(func.coalesce(func.length(column), 0) > NOTHING for column in cells))
     query = select(node, *sizes, grid).outerjoin(data, data.c.id == node.c.id).where(node.c.id == node_id)
     row = connection.execute(query).first()
     if row is None:
         raise DatabaseError(f"node {node_id} is not in the map")
     counted = select(func.count(), func.count().filter(feature.c.word_id > 0)).where(feature.c.node_id == node_id)
     features, words = connection.execute(counted).one()
-    image_bytes, depth_bytes, has_grid = row[-3:]
+    image_bytes, depth_bytes, calibration_bytes, has_grid = row[-4:]
     return NodeRow(
         id=row.id,
         map_id=row.map_id,
-        weight=row.weight or 0,
-        stamp=row.stamp or 0.0,
-        label=row.label,
+        weight=whole_of(row.weight, "weight"),
+        stamp=number_of(row.stamp, "stamp"),
+        label=None if row.label is None else text_of(row.label, "label")[:LONGEST_LABEL],
         T_odom_base=unpack_transform(row.pose),
         T_world_base=unpack_transform(row.ground_truth_pose),
         features=features,
         words=words,
         image_bytes=image_bytes,
         depth_bytes=depth_bytes,
+        calibration_bytes=calibration_bytes,
         has_grid=bool(has_grid),
     )

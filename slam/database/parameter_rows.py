@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 from sqlalchemy import Connection, insert, select
 
 from slam.database.deck_tables import parameter_change
 from slam.database.deck_values import ParameterChange
+from slam.database.faults import Faults, each_sound, number_of, text_of, whole_of
 from slam.database.parameter_text import parse_parameters
 from slam.database.tables import info
 from slam.params.old_names import todays
@@ -16,7 +18,7 @@ from slam.params.old_names import todays
 def read_parameters(connection: Connection) -> dict[str, str]:
     """Text by today's name of the newest session's parameters; empty when no session was saved."""
     newest = select(info.c.parameters).order_by(info.c.time_enter.desc(), info.c.STM_size.desc()).limit(1)
-    return todays(parse_parameters(connection.scalar(newest)))
+    return todays(parse_parameters(text_of(connection.scalar(newest), "parameters")))
 
 
 def insert_parameter_change(connection: Connection, node_id: int, name: str, value: str) -> None:
@@ -24,7 +26,17 @@ def insert_parameter_change(connection: Connection, node_id: int, name: str, val
     connection.execute(insert(parameter_change).values(time=time.time(), node_id=node_id, name=name, value=value))
 
 
-def read_parameter_changes(connection: Connection) -> list[ParameterChange]:
-    """All changes, oldest first."""
+def read_parameter_changes(connection: Connection, faults: Faults | None = None) -> list[ParameterChange]:
+    """All changes, oldest first. Rows that make no sense go to ``faults``."""
     rows = connection.execute(select(parameter_change).order_by(parameter_change.c.id))
-    return [ParameterChange(row.id, row.time, row.node_id, row.name, row.value) for row in rows]
+    return list(each_sound(parameter_change.name, rows, _change, faults))
+
+
+def _change(row: Any) -> ParameterChange:
+    return ParameterChange(
+        row.id,
+        number_of(row.time, "time"),
+        whole_of(row.node_id, "node_id"),
+        text_of(row.name, "name"),
+        text_of(row.value, "value"),
+    )

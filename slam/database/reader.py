@@ -13,8 +13,11 @@ from numpy.typing import NDArray
 from slam.camera import Camera
 from slam.database import admin_rows, data_rows, mesh_rows, node_rows, pose_rows, sensor_rows, statistics_rows
 from slam.database.deck_reader import DeckReader
+from slam.database.faults import Faults, reason_of
 from slam.database.feature_rows import read_features
 from slam.database.flaws import Flaws, read_flaws
+from slam.database.guard import LARGE_VALUE
+from slam.database.image_size import check_size
 from slam.database.images import decode_color, decode_depth
 from slam.database.info import read_info
 from slam.database.link_rows import count_one_way, read_links
@@ -27,9 +30,9 @@ from slam.database.sensor_values import Gps, NodeSensors
 from slam.database.session_rows import read_sessions
 from slam.database.stored_rows import read_stored_columns
 from slam.database.tables import data
-from slam.database.time_enter import read_memory_ids
+from slam.database.time_enter import read_memory_ids, read_memory_node_ids
 from slam.database.word_rows import read_last_word_id, read_words
-from slam.errors import DatabaseError
+from slam.errors import DamagedRowError, DatabaseError
 from slam.geometry import Pose
 from slam.types import Features, Link, LocalGrid, OccupancyGrid, Scan
 
@@ -43,15 +46,17 @@ class MapReader(DeckReader):
     that is at work, and the file is not changed. What slamdeck alone records (updates, candidates,
     frames, decisions) is empty for files that RTAB-Map wrote. Poses are (4, 4), lengths metres, stamps seconds.
 
+    Rows that make no sense are a DamagedRowError, or go to ``faults`` where that is given and all others are wanted.
+
     Raises (also every method):
         DatabaseError: the file is missing, not a map, of a version that is not known, damaged; or a node asked for, or
             the data of it, does not exist.
     """
 
-    def info(self, *, sizes: bool = True) -> MapInfo:
+    def info(self, *, sizes: bool = True, faults: Faults | None = None) -> MapInfo:
         """Summary of the map; without ``sizes`` (bytes by kind) it is fast for any size of map."""
         with self._reading("reading the summary") as connection:
-            return read_info(connection, self.path, deck=has_deck_tables(connection), sizes=sizes)
+            return read_info(connection, self.path, deck=has_deck_tables(connection), sizes=sizes, faults=faults)
 
     def node_ids(self) -> NDArray[np.int32]:
         """Ascending ids of all nodes, merged and dropped ones (weight -9) included."""
@@ -63,40 +68,57 @@ class MapReader(DeckReader):
         with self._reading("reading the nodes") as connection:
             return data_rows.read_ids_with(connection, _KINDS[kind])
 
-    def nodes(self) -> NodeTable:
+    def first_node_with(self, kind: Literal["image", "depth", "calibration"]) -> int | None:
+        """The smallest id of a node that has data of a kind; None when there is none."""
+        with self._reading("reading the nodes") as connection:
+            return data_rows.read_first_with(connection, _KINDS[kind])
+
+    def nodes(self, faults: Faults | None = None) -> NodeTable:
         """All nodes as columns; none of their data."""
         with self._reading("reading the nodes") as connection:
-            return node_rows.read_nodes(connection)
+            return node_rows.read_nodes(connection, faults)
 
     def node(self, node_id: int) -> NodeRow:
         """One node in full, but for images and key points."""
         with self._reading(f"reading node {node_id}") as connection:
             return node_rows.read_node(connection, node_id)
 
-    def links(self) -> list[Link]:
+    def word_counts(self, ids: Sequence[int]) -> dict[int, int]:
+        """Number of key points that are words of the dictionary, by id, of those of these nodes that have any."""
+        with self._reading("counting words") as connection:
+            return node_rows.read_word_counts(connection, ids)
+
+    def links(self, faults: Faults | None = None) -> list[Link]:
         """All links, each pair once, from the newer node to the older."""
         with self._reading("reading the links") as connection:
-            return read_links(connection)
+            return read_links(connection, faults)
 
     def poses(self) -> dict[int, Pose]:
         """Optimised poses T_map_base by node id; empty when none are stored."""
-        with self._reading("reading the poses") as connection:
+        with self._reading("reading the poses", LARGE_VALUE) as connection:
             return pose_rows.read_poses(connection)
 
     def last_pose(self) -> Pose | None:
         """Where the robot was last, T_map_base; None when it is not stored."""
-        with self._reading("reading the last pose") as connection:
+        with self._reading("reading the last pose", LARGE_VALUE) as connection:
             return pose_rows.read_last(connection)
 
     def grid(self) -> OccupancyGrid | None:
         """The global grid; None when none is stored."""
-        with self._reading("reading the grid") as connection:
+        with self._reading("reading the grid", LARGE_VALUE) as connection:
             return admin_rows.read_grid(connection)
 
     def image(self, node_id: int) -> bytes:
         """The colour image as stored (JPEG or PNG)."""
-        with self._reading(f"reading the image of node {node_id}") as connection:
+        with self._reading(f"reading the image of node {node_id}", LARGE_VALUE) as connection:
             return data_rows.read_image(connection, node_id)
+
+    def image_file(self, node_id: int) -> bytes:
+        """The same for another program to decode: refused when its header claims a size that no camera has."""
+        blob = self.image(node_id)
+        with _about(self.path, node_id):
+            check_size(blob, "colour")
+        return blob
 
     def image_bgr(self, node_id: int) -> NDArray[np.uint8]:
         """The colour image (H, W, 3), blue green red."""
@@ -106,7 +128,7 @@ class MapReader(DeckReader):
 
     def depth(self, node_id: int) -> bytes:
         """The depth image as stored (RVL or PNG)."""
-        with self._reading(f"reading the depth of node {node_id}") as connection:
+        with self._reading(f"reading the depth of node {node_id}", LARGE_VALUE) as connection:
             return data_rows.read_depth(connection, node_id)
 
     def depth_m(self, node_id: int) -> NDArray[np.float32]:
@@ -121,7 +143,7 @@ class MapReader(DeckReader):
 
     def cameras(self, node_id: int) -> tuple[Camera, ...]:
         """All cameras of a node; the image has one tile for each, left to right."""
-        with self._reading(f"reading the calibration of node {node_id}") as connection:
+        with self._reading(f"reading the calibration of node {node_id}") as connection, _about(self.path, node_id):
             return data_rows.read_cameras(connection, node_id)
 
     def baselines(self, node_id: int) -> tuple[float, ...]:
@@ -182,7 +204,8 @@ class MapReader(DeckReader):
 
     def features(self, node_id: int) -> tuple[Features, NDArray[np.int32]]:
         """Key points of a node, in the order they were written, and their word ids (N,)."""
-        with self._reading(f"reading the key points of node {node_id}") as connection:
+        doing = f"reading the key points of node {node_id}"
+        with self._reading(doing) as connection, _about(self.path, node_id, "Feature"):
             return read_features(connection, node_id)
 
     def words(self, ids: Sequence[int] | None = None) -> WordRows:
@@ -192,7 +215,10 @@ class MapReader(DeckReader):
 
     def scan(self, node_id: int) -> Scan | None:
         """The cloud of a node in its base frame; None when it has none."""
-        with self._reading(f"reading the cloud of node {node_id}") as connection, _about(self.path, node_id):
+        with (
+            self._reading(f"reading the cloud of node {node_id}", LARGE_VALUE) as connection,
+            _about(self.path, node_id),
+        ):
             return data_rows.read_scan(connection, node_id)
 
     def stored_columns(self, node_id: int) -> tuple[dict[str, object], dict[str, object]]:
@@ -207,15 +233,21 @@ class MapReader(DeckReader):
 
     def local_grid(self, node_id: int) -> LocalGrid | None:
         """The local grid of a node; None when it has none."""
-        with self._reading(f"reading the local grid of node {node_id}") as connection:
+        doing = f"reading the local grid of node {node_id}"
+        with self._reading(doing, LARGE_VALUE) as connection, _about(self.path, node_id):
             return data_rows.read_local_grid(connection, node_id)
 
     def statistics(
-        self, ids: Collection[int] | None = None, names: Sequence[str] | None = None, *, after: int = 0
+        self,
+        ids: Collection[int] | None = None,
+        names: Sequence[str] | None = None,
+        *,
+        after: int = 0,
+        faults: Faults | None = None,
     ) -> StatisticsTable:
         """Statistics as columns: of the updates ``ids`` (all), those after a node, by ``names`` (all)."""
         with self._reading("reading the statistics") as connection:
-            return statistics_rows.read_statistics(connection, ids, names, after)
+            return statistics_rows.read_statistics(connection, ids, names, after, faults)
 
     def statistic_names(self) -> list[str]:
         """All names, sorted."""
@@ -236,21 +268,26 @@ class MapReader(DeckReader):
         with self._reading("looking for flaws") as connection:
             return read_flaws(connection)
 
+    def memory_node_ids(self) -> NDArray[np.int32]:
+        """Ascending ids of the nodes alone: a map has fifty words and more for each."""
+        with self._reading("reading the working memory") as connection:
+            return read_memory_node_ids(connection)
+
     def parameters(self) -> dict[str, str]:
         """Parameters of the newest session, as text by name."""
         with self._reading("reading the parameters") as connection:
             return read_parameters(connection)
 
-    def sessions(self) -> list[SessionRow]:
+    def sessions(self, faults: Faults | None = None) -> list[SessionRow]:
         """All sessions by number."""
         with self._reading("reading the sessions") as connection:
-            return read_sessions(connection, deck=has_deck_tables(connection))
+            return read_sessions(connection, deck=has_deck_tables(connection), faults=faults)
 
 
 @contextmanager
-def _about(path: Path, node_id: int) -> Iterator[None]:
-    """Say in an error which node of which file it is about."""
+def _about(path: Path, node_id: int, table: str = "Data") -> Iterator[None]:
+    """Say in an error which row of which file it is about."""
     try:
         yield
-    except DatabaseError as error:
-        raise DatabaseError(f"{path}, node {node_id}: {error}") from error
+    except (DatabaseError, ValueError, TypeError, OverflowError) as error:
+        raise DamagedRowError(table, str(node_id), reason_of(error), f"{path}: ") from error

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from slam.errors import DatabaseError, MapBusyError
+from slam.errors import DamagedRowError, DatabaseError, MapBusyError
 
 _ADVICE = (
     ("disk is full", "; all that was in the map is kept: free some space"),
@@ -18,6 +18,8 @@ _ADVICE = (
     ("readonly", "; the file and its folder must be writable"),
     ("unable to open", "; the file and its folder must be accessible"),
     ("locked", "; another program holds the file: close it first"),
+    ("interrupted", "; the file asks for more work than one of its size can hold: it is damaged"),
+    ("too big", "; a value is larger than any of a map: the file is damaged"),
     ("no such", "; the file does not have the tables of its version: it is damaged or not a map"),
 )
 
@@ -27,6 +29,8 @@ def refusing(path: Path, doing: str) -> Iterator[None]:
     """Turn what goes wrong into one DatabaseError that says what was being done, to which file, and what would help."""
     try:
         yield
+    except DamagedRowError as error:
+        raise DamagedRowError(error.table, error.row, error.reason, f"{path}: {doing} failed: ") from error
     except DatabaseError as error:
         raise type(error)(f"{path}: {doing} failed: {error}") from error
     except (SQLAlchemyError, sqlite3.Error) as error:

@@ -97,6 +97,7 @@ class NodeRow:
         words: number of those that are words of the dictionary.
         image_bytes: size of the stored image, 0 when there is none.
         depth_bytes: size of the stored depth image, 0 when there is none.
+        calibration_bytes: size of the stored calibration, 0 when there is none.
         has_grid: whether a local grid is stored.
     """
 
@@ -111,6 +112,7 @@ class NodeRow:
     words: int
     image_bytes: int
     depth_bytes: int
+    calibration_bytes: int
     has_grid: bool
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.database.blobs import pack_row, stack_rows, unpack_matrix
+from slam.database.blobs import MAX_CLOUD_BYTES, pack_row, stack_rows, unpack_matrix
 from slam.errors import DatabaseError
 from slam.geometry import transform
 from slam.types import Scan
@@ -48,14 +48,17 @@ def unpack_scan(blob: bytes | None, info_blob: bytes | None) -> Scan | None:
     Raises:
         DatabaseError: a blob is damaged, or of a format that is not known.
     """
-    matrix = unpack_matrix(blob)
+    matrix = unpack_matrix(blob, MAX_CLOUD_BYTES)
     if matrix is None:
         return None
-    rows = matrix.reshape(-1, matrix.shape[2] if matrix.ndim == 3 else 1).astype(np.float32)
+    with np.errstate(over="ignore"):
+        rows = matrix.reshape(-1, matrix.shape[2] if matrix.ndim == 3 else 1).astype(np.float32)
+    if info_blob and (not isinstance(info_blob, bytes) or len(info_blob) % 4):
+        raise DatabaseError(f"scan_info has {len(info_blob)} bytes, which are no numbers of four bytes")
     info = np.frombuffer(info_blob, "<f4") if info_blob else np.zeros(0, np.float32)
     if len(info) not in (0, _INFO):
         raise DatabaseError(f"scan_info has {len(info)} numbers, not the {_INFO} that RTAB-Map writes")
-    kind = int(info[0]) if len(info) else 0
+    kind = int(info[0]) if len(info) and np.isfinite(info[0]) else 0
     kind = kind or _GUESSED.get(rows.shape[1], 0)
     if kind not in _FORMATS:
         raise DatabaseError(f"scan of format {kind} with {rows.shape[1]} channels is not known")

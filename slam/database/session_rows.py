@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
 
 from sqlalchemy import Connection, func, insert, select, update
 
 from slam.database.blobs import unpack_matrix
 from slam.database.deck_tables import session
+from slam.database.faults import Faults, each_sound, number_of, text_of, whole_of
 from slam.database.parameter_text import parse_parameters
 from slam.database.rows import SessionRow
 from slam.database.tables import feature, node, statistics
 from slam.database.time_enter import end_memory
 from slam.types import WEIGHT_INVALID
+
+_EMPTY = SessionRow(
+    map_id=0, nodes=0, started=None, closed=None, clean=True, seed=None, source="", parameters=MappingProxyType({})
+)
 
 
 def insert_session(connection: Connection, parameters: str, seed: int, source: str) -> int:
@@ -41,27 +49,33 @@ def heal_sessions(connection: Connection) -> None:
         end_sessions(connection, clean=False)
 
 
-def read_sessions(connection: Connection, *, deck: bool) -> list[SessionRow]:
-    """All sessions by number; for files of RTAB-Map (``deck`` false) only their number and nodes are known."""
-    counted = select(node.c.map_id, func.count().filter(node.c.weight > WEIGHT_INVALID)).group_by(node.c.map_id)
-    nodes: dict[int, int] = dict(connection.execute(counted).all())
-    rows = {row.map_id: row for row in connection.execute(select(session))} if deck else {}
-    found = []
-    for map_id in sorted(nodes.keys() | rows.keys()):
-        row = rows.get(map_id)
-        found.append(
-            SessionRow(
-                map_id=map_id,
-                nodes=nodes.get(map_id, 0),
-                started=row.started if row else None,
-                closed=row.closed if row else None,
-                clean=bool(row.clean) if row else True,
-                seed=row.seed if row else None,
-                source=row.source if row else "",
-                parameters=parse_parameters(row.parameters) if row else {},
-            )
-        )
-    return found
+def read_sessions(connection: Connection, *, deck: bool, faults: Faults | None = None) -> list[SessionRow]:
+    """All sessions by number; for files of RTAB-Map (``deck`` false) only their number and nodes are known.
+
+    Rows that make no sense go to ``faults``.
+    """
+    whole = func.typeof(node.c.map_id) == "integer"
+    counted = select(node.c.map_id, func.count().filter(node.c.weight > WEIGHT_INVALID)).where(whole)
+    nodes: dict[int, int] = dict(connection.execute(counted.group_by(node.c.map_id)).all())
+    rows = connection.execute(select(session)) if deck else ()
+    stored = {row.map_id: row for row in each_sound(session.name, rows, _session_row, faults)}
+    return [
+        replace(stored.get(map_id, _EMPTY), map_id=map_id, nodes=nodes.get(map_id, 0))
+        for map_id in sorted(nodes.keys() | stored.keys())
+    ]
+
+
+def _session_row(row: Any) -> SessionRow:
+    return SessionRow(
+        map_id=whole_of(row.map_id, "map_id"),
+        nodes=0,
+        started=None if row.started is None else number_of(row.started, "started"),
+        closed=None if row.closed is None else number_of(row.closed, "closed"),
+        clean=bool(row.clean),
+        seed=None if row.seed is None else whole_of(row.seed, "seed"),
+        source=text_of(row.source, "source"),
+        parameters=parse_parameters(text_of(row.parameters, "parameters")),
+    )
 
 
 def _last_memory(connection: Connection) -> set[int]:

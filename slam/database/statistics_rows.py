@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+import math
+from array import array
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Connection, insert, select
 
 from slam.database.blobs import pack_row, unpack_matrix
+from slam.database.faults import Faults, each_sound, node_id_of, number_of
 from slam.database.rows import StatisticsTable
 from slam.database.statistics_text import pack_statistics, unpack_statistics
 from slam.database.tables import statistics
+from slam.errors import DatabaseError
+
+#: Names of statistics in a map; RTAB-Map has some 300.
+_MOST_NAMES = 4000
 
 
 def insert_statistics(
@@ -24,16 +32,35 @@ def insert_statistics(
 
 
 def read_statistics(
-    connection: Connection, ids: Collection[int] | None, names: Sequence[str] | None, after: int
+    connection: Connection,
+    ids: Collection[int] | None,
+    names: Sequence[str] | None,
+    after: int,
+    faults: Faults | None = None,
 ) -> StatisticsTable:
-    """Columns of the updates after node ``after`` (and among ``ids``); all names, or those asked for."""
-    wanted = None if ids is None else set(ids)
-    rows = [row for row in _rows(connection, after) if wanted is None or row[0] in wanted]
-    keys = names if names is not None else sorted({name for *_, values in rows for name in values})
+    """Columns of the updates after node ``after`` (and among ``ids``); all names, or those asked for.
+
+    Rows that make no sense go to ``faults``.
+    """
+    query = select(statistics.c.id, statistics.c.stamp, statistics.c.data).where(statistics.c.id > after)
+    if ids is not None:
+        query = query.where(statistics.c.id.in_(sorted(ids)))
+    found_ids, stamps = array("i"), array("d")
+    columns: dict[str, array[float]] = {name: array("d") for name in names or ()}
+    rows = connection.execute(query.order_by(statistics.c.id))
+    for node_id, stamp, values in each_sound("Statistics", rows, _row_maker(columns), faults):
+        for name in values if names is None else values.keys() & columns.keys():
+            column = columns.setdefault(name, array("d"))
+            column.extend([math.nan] * (len(found_ids) - len(column)))
+            column.append(values[name])
+        found_ids.append(node_id)
+        stamps.append(stamp)
+    for column in columns.values():
+        column.extend([math.nan] * (len(found_ids) - len(column)))
     return StatisticsTable(
-        ids=np.array([row[0] for row in rows], dtype=np.int32),
-        stamps=np.array([row[1] for row in rows], dtype=np.float64),
-        values={key: np.array([values.get(key, np.nan) for *_, values in rows], dtype=np.float64) for key in keys},
+        ids=np.array(found_ids, dtype=np.int32),
+        stamps=np.array(stamps, dtype=np.float64),
+        values={name: np.array(columns[name]) for name in (sorted(columns) if names is None else names)},
     )
 
 
@@ -44,7 +71,12 @@ def read_wm_states(connection: Connection, after: int) -> dict[int, NDArray[np.i
     return {node_id: state.ravel().astype(np.int32) for node_id, state in states if state is not None}
 
 
-def _rows(connection: Connection, after: int) -> Iterator[tuple[int, float, dict[str, float]]]:
-    query = select(statistics.c.id, statistics.c.stamp, statistics.c.data).where(statistics.c.id > after)
-    for node_id, stamp, blob in connection.execute(query.order_by(statistics.c.id)):
-        yield node_id, stamp or 0.0, unpack_statistics(blob)
+def _row_maker(columns: Mapping[str, object]) -> Callable[[Any], tuple[int, float, dict[str, float]]]:
+    def make(row: Any) -> tuple[int, float, dict[str, float]]:
+        node_id, stamp, blob = row
+        values = unpack_statistics(blob)
+        if len(columns) + len(values) > _MOST_NAMES and len(columns.keys() | values.keys()) > _MOST_NAMES:
+            raise DatabaseError(f"its {len(values)} names make more than the {_MOST_NAMES} that a map may have")
+        return node_id_of(node_id), number_of(stamp, "stamp"), values
+
+    return make

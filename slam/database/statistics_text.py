@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from slam.database.blobs import pack_row, unpack_matrix
+from slam.database.blobs import MAX_STATISTICS_BYTES, pack_row, unpack_matrix
 from slam.errors import DatabaseError
 
 
@@ -41,7 +41,7 @@ def pack_statistics(values: Mapping[str, float]) -> bytes | None:
 
 def unpack_statistics(blob: bytes | None) -> dict[str, float]:
     """Values by name of a blob; empty for NULL."""
-    matrix = unpack_matrix(blob)
+    matrix = unpack_matrix(blob, MAX_STATISTICS_BYTES)
     if matrix is None:
         return {}
     return parse_statistics(matrix.tobytes().split(b"\0", 1)[0].decode(errors="replace"))

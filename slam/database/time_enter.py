@@ -12,7 +12,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, bindparam, func, insert, select, update
+from sqlalchemy import Connection, Table, bindparam, func, insert, select, update
 
 from slam.database.tables import info, node, word
 
@@ -47,10 +47,12 @@ def end_memory(connection: Connection, parameters: str, ram_ids: Iterable[int], 
 
 def read_memory_ids(connection: Connection) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Ascending ids of the nodes and of the words that RTAB-Map would load into working memory."""
-    newest = select(func.max(info.c.time_enter)).scalar_subquery()
-    queries = (select(table.c.id).where(table.c.time_enter >= newest).order_by(table.c.id) for table in (node, word))
-    nodes, words = (np.array(connection.scalars(query).all(), dtype=np.int32) for query in queries)
-    return nodes, words
+    return read_memory_node_ids(connection), _ids_in_memory(connection, word)
+
+
+def read_memory_node_ids(connection: Connection) -> NDArray[np.int32]:
+    """Ascending ids of the nodes alone."""
+    return _ids_in_memory(connection, node)
 
 
 def keep_in_memory(connection: Connection, stamp: str, node_ids: Iterable[int], word_ids: Iterable[int]) -> None:
@@ -59,6 +61,12 @@ def keep_in_memory(connection: Connection, stamp: str, node_ids: Iterable[int], 
         rows = [{"row_id": int(i)} for i in ids]
         if rows:
             connection.execute(update(table).where(table.c.id == bindparam("row_id")).values(time_enter=stamp), rows)
+
+
+def _ids_in_memory(connection: Connection, table: Table) -> NDArray[np.int32]:
+    newest = select(func.max(info.c.time_enter)).scalar_subquery()
+    query = select(table.c.id).where(table.c.time_enter >= newest).order_by(table.c.id)
+    return np.array(connection.scalars(query).all(), dtype=np.int32)
 
 
 def _after(newest: str | None) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,9 @@ from sqlalchemy import Connection, insert, select
 from slam.database.blobs import pack_pose, unpack_pose
 from slam.database.deck_tables import hypothesis, update
 from slam.database.deck_values import UpdateRow
+from slam.database.faults import Faults, each_sound, node_id_of, number_of, text_of, whole_of
 from slam.database.insertion import insert_rows
+from slam.errors import DatabaseError
 from slam.types import Posterior, Tier, Update
 
 #: Places kept of each belief: the most probable ones. The virtual place comes on top, under this id.
@@ -45,29 +48,10 @@ def insert_update(connection: Connection, node_id: int, item: Update) -> None:
         _insert_belief(connection, node_id, belief)
 
 
-def read_updates(connection: Connection, after: int) -> list[UpdateRow]:
-    """The updates after node ``after``, ascending."""
+def read_updates(connection: Connection, after: int, faults: Faults | None = None) -> list[UpdateRow]:
+    """The updates after node ``after``, ascending. Rows that make no sense go to ``faults``."""
     rows = connection.execute(select(update).where(update.c.id > after).order_by(update.c.id))
-    return [
-        UpdateRow(
-            id=row.id,
-            frame_index=row.frame_index,
-            stamp=row.stamp,
-            weight=row.weight,
-            T_map_base=unpack_pose(row.T_map_base),
-            best_id=row.best_id,
-            value=_number(row.value),
-            virtual_place=_number(row.virtual_place),
-            optimized=bool(row.optimized),
-            tiers={int(place): Tier(tier) for place, tier in json.loads(row.tiers).items()},
-            matches=row.matches,
-            inliers=row.inliers,
-            keyframe=bool(row.keyframe),
-            odometry_ms=row.odometry_ms,
-            time_ms=row.time_ms,
-        )
-        for row in rows
-    ]
+    return list(each_sound(update.name, rows, _update_row, faults))
 
 
 def read_belief(connection: Connection, update_id: int) -> Posterior | None:
@@ -100,6 +84,33 @@ def _insert_belief(connection: Connection, node_id: int, belief: Posterior) -> N
 def _best_rows(belief: Posterior) -> NDArray[np.intp]:
     order = np.argsort(-belief.probability, kind="stable")
     return order[:KEPT_PLACES]
+
+
+def _update_row(row: Any) -> UpdateRow:
+    return UpdateRow(
+        id=node_id_of(row.id),
+        frame_index=whole_of(row.frame_index, "frame_index"),
+        stamp=number_of(row.stamp, "stamp"),
+        weight=whole_of(row.weight, "weight"),
+        T_map_base=unpack_pose(row.T_map_base),
+        best_id=whole_of(row.best_id, "best_id"),
+        value=_number(row.value),
+        virtual_place=_number(row.virtual_place),
+        optimized=bool(row.optimized),
+        tiers=_tiers(row.tiers),
+        matches=whole_of(row.matches, "matches"),
+        inliers=whole_of(row.inliers, "inliers"),
+        keyframe=bool(row.keyframe),
+        odometry_ms=number_of(row.odometry_ms, "odometry_ms"),
+        time_ms=number_of(row.time_ms, "time_ms"),
+    )
+
+
+def _tiers(text: object) -> dict[int, Tier]:
+    said = json.loads(text_of(text, "tiers"))
+    if not isinstance(said, dict):
+        raise DatabaseError(f"tiers is {str(said)[:40]!r}, not an object of node ids")
+    return {int(place): Tier(tier) for place, tier in said.items()}
 
 
 def _number(value: float | None) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slam.database import MapReader, NodeTable
+from slam.database import Faults, MapReader, NodeTable
 from slam.database.flaws import Flaws
 from slam.types import WEIGHT_INTERMEDIATE, WEIGHT_INVALID
 
@@ -40,9 +40,17 @@ class Description:
     missing: tuple[str, ...]
 
 
-def describe(reader: MapReader) -> Description:
-    """Look at nodes, links and key points of a file; DatabaseError where it can't be read."""
-    table, poses = reader.nodes(), reader.poses()
+def describe(reader: MapReader, faults: Faults | None = None) -> Description:
+    """Look at nodes, links and key points of a file.
+
+    Args:
+        reader: of the file.
+        faults: gets rows that make no sense; without it they are an error.
+
+    Raises:
+        DatabaseError: it can't be read.
+    """
+    table, poses = reader.nodes(faults), reader.poses()
     kept = table.weights > WEIGHT_INVALID
     at_map = np.array([poses.get(i, np.full((4, 4), np.nan)) for i in table.ids.tolist()]).reshape(-1, 4, 4)
     return Description(
@@ -58,12 +66,12 @@ def describe(reader: MapReader) -> Description:
         map_m=_length(table, at_map) if poses else None,
         with_images=len(reader.nodes_with("image")),
         with_truth=int(np.isfinite(table.T_world[kept]).all(axis=(1, 2)).sum()),
-        missing=tuple(_missing(reader, table, len(poses))),
+        missing=tuple(_missing(reader, table, len(poses), faults)),
     )
 
 
-def _missing(reader: MapReader, table: NodeTable, poses: int) -> list[str]:
-    info, flaws = reader.info(sizes=False), reader.flaws()
+def _missing(reader: MapReader, table: NodeTable, poses: int, faults: Faults | None) -> list[str]:
+    info, flaws = reader.info(sizes=False, faults=faults), reader.flaws()
     found = [] if info.clean else ["the last session was not closed in order"]
     found += told(flaws)
     kept = table.ids[table.weights > WEIGHT_INVALID]

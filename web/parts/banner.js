@@ -7,7 +7,9 @@ import { dismiss, toasts } from "../actions.js";
 import { connect, connection, nextTry } from "../events.js";
 import { link, openMapId } from "../router.js";
 import { info, infoError, readFailure, session } from "../store.js";
+import * as text from "../format.js";
 import { Button } from "./button.js";
+import { Faults } from "./faults.js";
 import { Icon } from "./icons.js";
 
 const refused = signal(false);
@@ -23,6 +25,7 @@ export function Banners() {
     ${!lost && failure !== null && failure !== readFailure.value && h(EngineDead, { reason: failure })}
     ${!lost && info.value && info.value.notes.length > 0 && readNotes.value !== info.value.id && h(MapNotes, { info: info.value })}
     ${!lost && infoError.value && h(MapFailed, { error: infoError.value })}
+    ${!lost && info.value?.id === openMapId.value && h(MapDamaged, { map: info.value })}
   </div>`;
 }
 
@@ -80,6 +83,22 @@ function MapNotes({ info: { id, name, notes } }) {
     ${h(Icon, { name: "warn" })}
     <span class="grow"><b>${name}:</b> ${notes[0]}${more}</span>
     ${h(Button, { icon: "close", hint: "Hide this message", onClick: () => (readNotes.value = id) })}
+  </div>`;
+}
+
+const hidden = signal("");
+
+/** @param {{map: import("../store.js").Schemas["MapInfo"] | null}} props */
+function MapDamaged({ map }) {
+  if (!map?.fault_count || hidden.value === map.id) return null;
+  const rows = text.plural(map.fault_count, "row of this file makes", "rows of this file make");
+  return html`<div class="banner" role="status" id="map-damaged">
+    ${h(Icon, { name: "warn" })}
+    <details class="grow">
+      <summary>${rows} no sense; everything else is shown.</summary>
+      ${h(Faults, { faults: map.faults })}
+    </details>
+    ${h(Button, { icon: "close", hint: "Hide this message", onClick: () => (hidden.value = map.id) })}
   </div>`;
 }
 

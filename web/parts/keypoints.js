@@ -42,7 +42,8 @@ export function KeyPointsToggle({ node, features }) {
 /** @param {{map: string, node: NodeDetail, features: NodeFeatures | null}} props */
 export function ColourPicture({ map, node, features }) {
   const { image, missing } = useImage(node.has_image ? address("api", "maps", map, "nodes", node.id, "image") : null);
-  if (missing || !node.has_image) return html`<div class="picture-none quiet">No colour image is stored.</div>`;
+  if (!node.has_image) return html`<div class="picture-none quiet">No colour image is stored.</div>`;
+  if (missing) return html`<div class="picture-none quiet">The colour image can't be shown: it is damaged.</div>`;
   return h(Canvas, {
     label: `Colour image of node ${node.id}`,
     aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,

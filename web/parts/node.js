@@ -6,6 +6,7 @@ import * as text from "../format.js";
 import { link } from "../router.js";
 import { graphRevision } from "../store.js";
 import { Facts } from "./facts.js";
+import { Faults } from "./faults.js";
 import { NodeImages } from "./node_images.js";
 import { LinkName } from "./link_name.js";
 import { Poses } from "./pose.js";
@@ -31,7 +32,7 @@ export function NodeInspector({ map, id }) {
       <span class="quiet">${node.label}</span>
     </header>
     <div class="inspector-body">
-      ${h(NodeImages, { map, node })}
+      ${h(NodeImages, { map, node })} ${node.faults.length > 0 && h(Faults, { faults: node.faults })}
       ${h(Facts, {
         facts: [
           ["Time", text.clock(node.stamp)],

@@ -48,7 +48,8 @@ function RightPicture({ map, node }) {
 /** @param {{map: string, node: NodeDetail}} props */
 function DepthPicture({ map, node }) {
   const { image, missing } = useImage(node.has_depth ? address("api", "maps", map, "nodes", node.id, "depth.png") : null);
-  if (missing || !node.has_depth) return html`<div class="picture-none quiet">No depth image is stored.</div>`;
+  if (!node.has_depth) return html`<div class="picture-none quiet">No depth image is stored.</div>`;
+  if (missing) return html`<div class="picture-none quiet">The depth image can't be shown: it is none, or damaged.</div>`;
   return h(Canvas, {
     label: `Depth image of node ${node.id}`,
     aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,

@@ -610,8 +610,17 @@ export interface components {
             code: string;
             /** Message */
             message: string;
+            /** Reason */
+            reason?: string | null;
+            /** Row */
+            row?: string | null;
             /** Status */
             status: number;
+            /**
+             * Table
+             * @description Of the row of the map file that can't be understood, where it is one.
+             */
+            table?: string | null;
         };
         /**
          * GpsFix
@@ -1030,6 +1039,13 @@ export interface components {
              * @description Merged and dropped nodes (weight -9) that are kept in the file, not counted in ``nodes``.
              */
             dropped: number;
+            /** Fault Count */
+            fault_count: number;
+            /**
+             * Faults
+             * @description The first hundred rows of the file that make no sense; everything else is shown.
+             */
+            faults: components["schemas"]["RowFault"][];
             /** Features */
             features: number;
             /** First Stamp */
@@ -1182,6 +1198,11 @@ export interface components {
             cameras: components["schemas"]["CameraModel"][];
             /** Decisions */
             decisions: components["schemas"]["JournalEntry"][];
+            /**
+             * Faults
+             * @description What of this node makes no sense; the rest is here.
+             */
+            faults: components["schemas"]["RowFault"][];
             /** Features */
             features: number;
             /** Has Depth */
@@ -1404,6 +1425,21 @@ export interface components {
             unused: {
                 [key: string]: string;
             };
+        };
+        /**
+         * RowFault
+         * @description A row of a map file that can't be understood; all others are shown.
+         */
+        RowFault: {
+            /** Reason */
+            reason: string;
+            /**
+             * Row
+             * @description Its id, or both ids of a link.
+             */
+            row: string;
+            /** Table */
+            table: string;
         };
         /**
          * Scene

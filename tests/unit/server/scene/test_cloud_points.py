@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
 from server.scene.cloud_points import points_of_each, view_points
 from slam.camera import Camera
+from slam.errors import SlamError
 from slam.geometry import transform
 from tests.unit.server.scene.room_map import CAMERA, CEILING, FLOOR, HALF, seen, true_pose
 
@@ -66,3 +69,13 @@ def test_the_fewer_clouds_the_more_points_has_each() -> None:
     numbers = [points_of_each(count) for count in (0, 1, 60, 100, 150)]
     assert numbers == sorted(numbers, reverse=True)
     assert 150 * numbers[-1] <= 1_000_000
+
+
+@pytest.mark.parametrize("size", [(0, 0), (1, 1), (64, 48), (65535, 65535)])
+@pytest.mark.parametrize("shape", [(1, 1), (24, 32), (100, 7), (300, 2)])
+def test_sizes_that_do_not_fit_are_points_or_a_refusal(size: tuple[int, int], shape: tuple[int, int]) -> None:
+    """Damaged files have images, depths and calibrations that know nothing of each other."""
+    image, depth = np.zeros((48, 64, 3), np.uint8), np.ones(shape, np.float32)
+    with suppress(SlamError):
+        cloud = view_points(image, depth, Camera(*size, 50.0, 50.0, 31.5, 23.5), np.eye(4), 1000)
+        assert np.isfinite(cloud.points).all()
