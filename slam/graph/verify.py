@@ -18,6 +18,9 @@ from slam.types import UNKNOWN_VARIANCE, Link, Refusal
 _TEST = "RGBD/OptimizeMaxError"
 #: A strained link that grows by less than this factor is no worse than it was.
 _NO_WORSE = 1.02
+#: An old link that passes the limit by a growth below this share of it was near it before: among hundreds of links one
+#: always is, and would keep every loop out. Beyond twice the limit that is no excuse.
+_NEAR_ANYHOW, _NO_EXCUSE = 1.0 / 6.0, 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,7 +166,8 @@ def _judge(
         return worst, None
     # A new link was never better; that of an old one counts where it got worse.
     was = residual_sigmas(links, before, planar=planar)
-    allowed = np.array([0.0 if link.pair in pairs else _NO_WORSE * w for link, w in zip(links, was, strict=True)])
+    allowed = np.maximum(_NO_WORSE * was, np.minimum(was + _NEAR_ANYHOW * limit, _NO_EXCUSE * limit))
+    allowed[[link.pair in pairs for link in links]] = 0.0
     counts = np.flatnonzero(ratios[:, [0, 2]].max(axis=1) > np.maximum(allowed, limit))
     if not len(counts):
         return worst, None

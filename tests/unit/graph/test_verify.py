@@ -143,3 +143,17 @@ def test_the_worst_link_is_named_and_whether_it_is_linear_or_angular() -> None:
     text = f"link {LAP - 1}->{LAP} (Neighbor) is 0.500 m off, 50.0 sigma of 0.010 m (linear)"
     assert max_error(graph, graph.poses).text == text
     assert max_error(PoseGraph(), {}).text == "no link"
+
+
+def test_a_link_that_was_near_the_limit_anyhow_keeps_no_true_loop_out() -> None:
+    graph, trial = circles(60, 3, seed=6), circles(60, 3, seed=6)
+    graph.poses = optimize(graph, PARAMS).poses
+    trial.poses = dict(graph.poses)
+    new = loop(50, 30, truth(60), np.random.default_rng(0))
+    before = max_error(graph, graph.poses)
+    after = close_loops(trial, [new], PARAMS.changed({"RGBD/OptimizeMaxError": 0.0})).worst
+    assert before.link is not None and after.link is not None
+    assert before.link.pair == after.link.pair != new.pair
+    assert 1.1 * before.ratio < after.ratio < 1.15 * before.ratio
+    between_both = PARAMS.changed({"RGBD/OptimizeMaxError": 0.5 * (before.ratio + after.ratio)})
+    assert close_loops(graph, [new], between_both).accepted

@@ -93,7 +93,7 @@ def test_a_repair_that_lets_nothing_in_is_taken_back() -> None:
     graph.poses = optimize(graph, Params()).poses
     links, poses = dict(graph.links), stacked(graph.poses)
     for _ in range(2):
-        closed = closer.close(graph, offered(48), REPAIRING)
+        closed = closer.close(graph, offered(47), REPAIRING)
         assert [link.pair for link in closed.blamed] == [FALSE]
         assert closed.links == closed.removed == ()
     assert graph.links == links
