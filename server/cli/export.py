@@ -22,6 +22,7 @@ class Format(StrEnum):
     KITTI = "kitti"
     TORO = "toro"
     G2O = "g2o"
+    KML = "kml"
 
 
 class Whose(StrEnum):
@@ -50,11 +51,16 @@ def export(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="A map file.")],
     poses: Annotated[Path | None, typer.Option(metavar="OUT", help="Text file of poses to write.")] = None,
     format: Annotated[
-        Format, typer.Option(help="tum-id has node ids, rgbd-slam the axes of motion capture; toro and g2o the graph.")
+        Format,
+        typer.Option(
+            help="tum-id has ids, rgbd-slam the axes of motion capture; toro and g2o are graphs, kml is on the earth."
+        ),
     ] = Format.TUM,
     frame: Annotated[Whose, typer.Option(help="Path of the camera's optical frame, or of the base.")] = Whose.CAM,
     which: Annotated[Which, typer.Option(help="Optimised poses, odometry, or ground truth.")] = Which.OPTIMIZED,
     every: Annotated[Every, typer.Option(help="A pose for every tracked frame, or for every node.")] = Every.FRAME,
+    gps: Annotated[Path | None, typer.Option(metavar="OUT", help="GPS readings, as text or .kml.")] = None,
+    landmarks: Annotated[Path | None, typer.Option(metavar="OUT", help="Text file of landmarks' poses.")] = None,
     images: Annotated[
         Path | None, typer.Option(metavar="DIR", help="New folder of images with calibration, as `run` reads it.")
     ] = None,
@@ -66,17 +72,23 @@ def export(
     no_images: Annotated[bool, typer.Option("--no-images", help="--copy: without colour and depth images.")] = False,
     force: ForceOption = False,
 ) -> None:
-    """Write poses, images, or a thinned copy of a map; at least one of --poses, --images and --copy."""
+    """Write poses, GPS readings, landmarks, images, or a thinned copy of a map: whatever is named."""
     from slam.database import MapReader
+    from slam.tools import poses as tool
 
-    if poses is None and images is None and copy is None:
-        raise DatabaseError("nothing to export is named: give --poses OUT, --images DIR or --copy OUT.db")
+    if not (poses or gps or landmarks or images or copy):
+        raise DatabaseError("nothing to export is named: --poses, --gps, --landmarks, --images or --copy")
+    for out in (poses, gps, landmarks):
+        if out is not None and out.exists() and out.samefile(path):
+            raise DatabaseError(f"{out} is the map itself: choose another name")
     reader = MapReader(path)
-    if poses is not None:
-        from slam.tools import poses as tool
+    if gps is not None:
+        from slam.tools.gps import export_gps
 
-        if poses.exists() and poses.samefile(path):
-            raise DatabaseError(f"{poses} is the map itself: choose another name for the poses")
+        typer.echo(f"{export_gps(reader, gps)} GPS readings written to {gps}", err=True)
+    if landmarks is not None:
+        typer.echo(f"{tool.export_landmarks(reader, landmarks)} landmarks written to {landmarks}", err=True)
+    if poses is not None:
         count = tool.export_poses(
             reader, poses, tool.Format(format), tool.Whose(frame), tool.Which(which), tool.Every(every)
         )

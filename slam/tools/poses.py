@@ -11,11 +11,13 @@ from slam.camera import T_BASE_OPTICAL
 from slam.database import MapReader
 from slam.errors import DatabaseError
 from slam.export import write_kitti, write_raw, write_toro, write_tum
-from slam.geometry import Pose, inverse
+from slam.geometry import Pose, inverse, to_quat_xyzw
 from slam.graph.g2o import write_g2o
 from slam.graph.graph import PoseGraph
+from slam.saving import save
+from slam.tools.gps import write_kml
 from slam.trajectory import assemble
-from slam.types import WEIGHT_INVALID
+from slam.types import WEIGHT_INVALID, LinkType
 
 #: The world of TUM's motion capture as RTAB-Map has it, seen from a map whose x points forward.
 _T_MAP_CAPTURE = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
@@ -31,6 +33,7 @@ class Format(StrEnum):
     KITTI = "kitti"  # 2
     TORO = "toro"  # 3
     G2O = "g2o"  # 4
+    KML = "kml"
 
 
 class Which(StrEnum):
@@ -65,8 +68,9 @@ def export_poses(
 ) -> int:
     """Write poses, or with ``toro`` and ``g2o`` nodes and links in the base frame.
 
-    ``tum-id`` has a line for each node. ``rgbd-slam`` is the base in the axes of TUM's motion capture, as RTAB-Map's
-    format 1; ``kitti`` of the camera has the optical axes of the first frame's world, as KITTI's own files.
+    ``tum-id`` has a line for each node; ``kml`` lays the path of the nodes over the earth by their GPS readings.
+    ``rgbd-slam`` is the base in the axes of TUM's motion capture, as RTAB-Map's format 1; ``kitti`` of the camera has
+    the optical axes of the first frame's world, as KITTI's own files.
 
     Returns:
         The number of poses written.
@@ -80,10 +84,13 @@ def export_poses(
         _require(reader, len(graph.poses), which)
         (write_toro if format is Format.TORO else write_g2o)(path, graph)
         return len(graph.poses)
-    by_node = every is Every.NODE or format is Format.TUM_ID
+    by_node = every is Every.NODE or format in (Format.TUM_ID, Format.KML)
     ids, stamps, poses = _path(reader, graph, which, by_node=by_node)
     _require(reader, len(poses), which)
     T_base_frame = _camera_pose(reader) if whose is Whose.CAM else np.eye(4)
+    if format is Format.KML:
+        write_kml(reader, path, ids, poses)
+        return len(poses)
     if format is Format.RGBD_SLAM:
         poses = [inverse(T_BASE_OPTICAL) @ inverse(_T_MAP_CAPTURE) @ T for T in poses]
         T_base_frame = T_BASE_OPTICAL
@@ -96,6 +103,30 @@ def export_poses(
     else:
         write_tum(path, stamps, poses, T_base_frame, ids if format is Format.TUM_ID else None)
     return len(poses)
+
+
+def export_landmarks(reader: MapReader, path: Path) -> int:
+    """Write lines ``id x y z qx qy qz qw`` of landmarks in the map: as optimised, or where the first node saw them.
+
+    Returns:
+        The number of landmarks.
+
+    Raises:
+        DatabaseError: no node saw one, or the file can't be written.
+    """
+    graph = PoseGraph.from_reader(reader)
+    found = {i: T for i, T in reader.poses().items() if i < 0}
+    for from_id, to_id, _ in sorted(graph.constraints):
+        link = graph.constraints[from_id, to_id, LinkType.LANDMARK] if to_id < 0 else None
+        if link is not None and link.T_from_to is not None and to_id not in found:
+            found[to_id] = np.asarray(graph.poses[from_id] @ link.T_from_to)
+    if not found:
+        raise DatabaseError(f"{reader.path}: no node saw a landmark, there is nothing to export")
+    lines = ["# id tx ty tz qx qy qz qw"]
+    for number, T in sorted(found.items(), reverse=True):
+        lines.append(f"{-number} " + " ".join(f"{v:.9f}" for v in (*T[:3, 3], *to_quat_xyzw(T))))
+    save(path, "\n".join([*lines, ""]))
+    return len(found)
 
 
 def _nodes(reader: MapReader, graph: PoseGraph, which: Which) -> dict[int, Pose]:
