@@ -9,14 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, Table, bindparam, func, insert, select, update
+from sqlalchemy import Connection, Table, func, insert, select, update
 
 from slam.database.tables import info, node, word
 
 _FORMAT = "%Y-%m-%d %H:%M:%S"
+#: Rows that get their stamp by one call.
+_AT_ONCE = 1000
 
 
 def now_text() -> str:
@@ -58,9 +61,10 @@ def read_memory_node_ids(connection: Connection) -> NDArray[np.int32]:
 def keep_in_memory(connection: Connection, stamp: str, node_ids: Iterable[int], word_ids: Iterable[int]) -> None:
     """Give nodes and words a stamp."""
     for table, ids in ((node, node_ids), (word, word_ids)):
-        rows = [{"row_id": int(i)} for i in ids]
-        if rows:
-            connection.execute(update(table).where(table.c.id == bindparam("row_id")).values(time_enter=stamp), rows)
+        rows = iter(ids)
+        # A dictionary has tens of thousands of words: in parts, so that their parameters take no memory to speak of.
+        while part := [(stamp, int(i)) for i in islice(rows, _AT_ONCE)]:
+            connection.exec_driver_sql(f"UPDATE {table.name} SET time_enter = ? WHERE id = ?", part)
 
 
 def _ids_in_memory(connection: Connection, table: Table) -> NDArray[np.int32]:
