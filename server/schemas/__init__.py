@@ -1,7 +1,15 @@
 """The only shapes that the page may see; its types are generated from them."""
 
 from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RunState, Schema, Size
-from server.schemas.decisions import Decision, DecisionAction, DecisionEffect, DecisionResult, Journal, JournalEntry
+from server.schemas.decisions import (
+    Decision,
+    DecisionAction,
+    DecisionEffect,
+    DecisionResult,
+    Journal,
+    JournalEntry,
+    RefusedDecision,
+)
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
 from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRow, Loops
 from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
@@ -70,6 +78,7 @@ __all__ = [
     "ParameterSet",
     "ParameterValue",
     "PoseList",
+    "RefusedDecision",
     "RunState",
     "Scene",
     "SceneChange",

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import Field
-
-from server.schemas.base import Schema
+from server.schemas.base import Pair, Schema
 
 Colouring = Literal["memory", "session", "time", "weight"]
-Pair = Annotated[list[int], Field(min_length=2, max_length=2)]
 
 
 class SceneLayers(Schema):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from sqlalchemy import Connection, Row, insert, select
+from sqlalchemy import Connection, Row, Select, insert, inspect, null, select
 
 from slam.database.blobs import pack_information, pack_pose, unpack_information, unpack_pose
-from slam.database.deck_tables import journal
+from slam.database.deck_tables import decision, journal
 from slam.database.records import JournalEntry
 from slam.errors import DatabaseError
 from slam.types import Link, LinkType
@@ -49,9 +50,21 @@ def append_entry(connection: Connection, entry: JournalEntry) -> int:
     return int(number)
 
 
+def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> list[int]:
+    """Add entries that are one batch where they are several; their numbers. Raises like ``append_entry``."""
+    numbers = [append_entry(connection, entry) for entry in entries]
+    batch = numbers[0] if len(numbers) > 1 else None
+    rows = [
+        {"id": number, "batch": batch, "ate_before": entry.ate_before, "ate_after": entry.ate_after}
+        for number, entry in zip(numbers, entries, strict=True)
+    ]
+    connection.execute(insert(decision), rows)
+    return numbers
+
+
 def read_journal(connection: Connection) -> list[JournalEntry]:
     """All entries, oldest first. An entry is undone while an entry that takes it back stands itself."""
-    entries = [_entry(row) for row in connection.execute(select(journal).order_by(journal.c.id))]
+    entries = [_entry(row) for row in connection.execute(_all(connection))]
     undone_by: dict[int, int] = {}
     for entry in reversed(entries):
         if entry.undoes is not None and entry.id not in undone_by:
@@ -62,6 +75,14 @@ def read_journal(connection: Connection) -> list[JournalEntry]:
 def read_standing(connection: Connection) -> list[JournalEntry]:
     """The decisions that stand, oldest first: neither undone nor entries that undo."""
     return [entry for entry in read_journal(connection) if entry.action in DECISIONS and entry.undone_by is None]
+
+
+def _all(connection: Connection) -> Select[Any]:
+    more = [decision.c.batch, decision.c.ate_before, decision.c.ate_after]
+    if inspect(connection).has_table(decision.name):
+        joined = journal.outerjoin(decision, decision.c.id == journal.c.id)
+        return select(journal, *more).select_from(joined).order_by(journal.c.id)
+    return select(journal, *(null().label(column.name) for column in more)).order_by(journal.c.id)
 
 
 def _last_standing(connection: Connection, entry: JournalEntry) -> int:
@@ -98,6 +119,9 @@ def _entry(row: Row[Any]) -> JournalEntry:
         chi2_after=row.chi2_after,
         moved=row.moved,
         max_shift_m=row.max_shift_m,
+        ate_before=row.ate_before,
+        ate_after=row.ate_after,
+        batch=row.batch,
     )
 
 

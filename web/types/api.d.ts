@@ -59,7 +59,7 @@ export interface paths {
         put?: never;
         /**
          * Make Decision
-         * @description Approve or reject a loop, undo or redo the last decision; the graph is optimised anew.
+         * @description Approve or reject one loop or several, undo or redo what was decided last; the graph is optimised anew.
          */
         post: operations["make_decision"];
         delete?: never;
@@ -544,7 +544,7 @@ export interface components {
         };
         /**
          * Decision
-         * @description What to do about a loop; ``undo`` and ``redo`` take no ids.
+         * @description What to do about a loop, or about several together; ``undo`` and ``redo`` take no ids.
          */
         Decision: {
             /**
@@ -552,8 +552,25 @@ export interface components {
              * @enum {string}
              */
             action: "approve" | "reject" | "undo" | "redo";
+            /**
+             * Author
+             * @description Who decides, for the journal.
+             * @default
+             */
+            author: string;
             /** From */
             from?: number | null;
+            /**
+             * Loops
+             * @description Both ids of each loop, in place of ``from`` and ``to``: decided together, undone together.
+             */
+            loops?: number[][];
+            /**
+             * Preview
+             * @description Only say what it would do.
+             * @default false
+             */
+            preview: boolean;
             /** To */
             to?: number | null;
         };
@@ -577,16 +594,34 @@ export interface components {
              * @description Poses that moved by more than 1 mm or 0.05 deg.
              */
             moved: number;
+            /**
+             * Separated
+             * @description Nodes that lost their way to the oldest node of their graph; the journal does not keep it.
+             */
+            separated?: number | null;
         };
         /**
          * DecisionResult
-         * @description The decision as it was journalled, and the graph's new revision.
+         * @description The decisions as they were journalled, and the graph's new revision.
          */
         DecisionResult: {
+            /**
+             * Count
+             * @description Loops that it was about.
+             */
+            count: number;
             effect: components["schemas"]["DecisionEffect"];
+            /** @description The first of them; of a preview what would be written. */
             entry: components["schemas"]["JournalEntry"];
-            /** Revision */
-            revision: number;
+            /** Preview */
+            preview: boolean;
+            /** Refused */
+            refused: components["schemas"]["RefusedDecision"][];
+            /**
+             * Revision
+             * @description None after a preview.
+             */
+            revision: number | null;
         };
         /**
          * Effect
@@ -706,6 +741,11 @@ export interface components {
             action: string;
             /** Author */
             author: string;
+            /**
+             * Batch
+             * @description Id of the first entry of those that were decided together, and had this effect together.
+             */
+            batch: number | null;
             effect: components["schemas"]["DecisionEffect"];
             /** From Id */
             from_id: number;
@@ -1404,6 +1444,18 @@ export interface components {
             unused: {
                 [key: string]: string;
             };
+        };
+        /**
+         * RefusedDecision
+         * @description A loop that was named and left as it is.
+         */
+        RefusedDecision: {
+            /** From */
+            from: number;
+            /** Reason */
+            reason: string;
+            /** To */
+            to: number;
         };
         /**
          * Scene
