@@ -87,7 +87,7 @@ def test_reject_shows_the_effect_and_undo_takes_it_back(own: Served, open_page: 
     page.keyboard.press("r")
     effect = page.locator("#effect")
     expect(effect).to_contain_text(f"Rejected {name}", timeout=SLOW)
-    expect(effect).to_contain_text(re.compile(r"χ² [\d.]+ → [\d.]+"))
+    expect(effect).to_contain_text(re.compile(r"χ² [\d.,]+ → [\d.,]+"))
     expect(effect).to_contain_text(re.compile(r"moved \d+ poses?"))
     expect(effect).to_contain_text("ATE")
     expect(row).to_contain_text("rejected")
@@ -98,6 +98,28 @@ def test_reject_shows_the_effect_and_undo_takes_it_back(own: Served, open_page: 
     entries = page.get_by_role("listitem").filter(has_text=name)
     expect(entries.first).to_be_visible()
     expect(page.locator(".undone")).to_contain_text("Rejected")
+
+
+def test_all_that_is_shown_is_foreseen_rejected_and_taken_back_at_once(own: Served, open_page: OpenPage) -> None:
+    page, other = open_page(own, LOOPS), open_page(own, f"{LOOPS}?tab=journal")
+    other.get_by_label("Decided by").fill("ben")
+    entries = other.get_by_role("listitem").filter(has_text=re.compile(r"Rejected \d+ loops"))
+    page.get_by_label("Least inliers").select_option("80")
+    page.get_by_role("button", name=re.compile(r"^Reject \d+")).click()
+    dialog = page.get_by_role("dialog", name="Reject loops")
+    effect = page.locator("#bulk-effect")
+    expect(effect).to_contain_text(
+        re.compile(r"would do this.*χ² [\d.,]+ → [\d.,]+.*moved \d+ pose.*ATE", re.S), timeout=SLOW
+    )
+    expect(entries).to_have_count(0)
+    dialog.get_by_label("Decided by").fill("ann")
+    dialog.get_by_role("button", name=re.compile(r"^Reject \d+")).click()
+    expect(dialog).to_contain_text(re.compile(r"\d+ loops rejected"), timeout=SLOW)
+    expect(entries).to_contain_text("ann")
+    # Whoever looks at the map from elsewhere sees it at once, and may take it back.
+    other.get_by_role("button", name="Undo").click()
+    expect(other.locator(".undone").first).to_contain_text(re.compile(r"Rejected \d+ loops"), timeout=SLOW)
+    expect(page.locator(".table-row").filter(has_text="rejected")).to_have_count(0)
 
 
 def test_approve_by_button_is_journalled(own: Served, open_page: OpenPage) -> None:

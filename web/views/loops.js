@@ -1,6 +1,7 @@
 // The review queue: every loop that was looked at, the evidence of one, and the decisions of people.
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { h, html } from "../html.js";
+import { decide } from "../actions.js";
 import { on } from "../events.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
@@ -8,6 +9,8 @@ import { LoopList } from "../loop_list.js";
 import { go, link, openMapId, route } from "../router.js";
 import { remembered } from "../prefs.js";
 import { graphRevision, inForce } from "../store.js";
+import { BulkBar } from "../parts/bulk.js";
+import { EffectLine, lockReason } from "../parts/decision_bar.js";
 import { Journal } from "../parts/journal.js";
 import { LinkEvidence } from "../parts/link.js";
 import { LoopFilter } from "../parts/loop_filter.js";
@@ -37,8 +40,9 @@ export function Loops() {
   const selected = rows.findIndex((row) => row.key === key || `${row.to}-${row.from}` === key);
   const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key });
   const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
-  useKeys({ j: () => step(1), k: () => step(-1) });
   const reload = () => list.pull({ all: true });
+  const answer = async (/** @type {"undo" | "redo"} */ action) => void (!lockReason() && (await decide({ action })) && reload());
+  useKeys({ j: () => step(1), k: () => step(-1), u: () => void answer("undo"), U: () => void answer("redo") });
 
   return html`<div class="view view-loops">
     <div class="view-head">
@@ -49,7 +53,7 @@ export function Loops() {
         <a href=${link({ view: "loops", key, query: { tab: "journal" } })} aria-current=${journal ? "true" : undefined}>Journal</a>
       </nav>
     </div>
-    ${journal ? h(Journal, { map }) : queue()}
+    ${journal ? h(Journal, { map, quiet: Boolean(key) }) : queue()}
     ${key && h(LinkEvidence, { key, map, link: key, row: rows[selected], onStep: step, onDecided: reload })}
   </div>`;
 
@@ -57,6 +61,8 @@ export function Loops() {
     return html`<div class="view-part">
       ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), onChange: setFilter })}
       <div class="view-table">${queueTable()}</div>
+      ${list.byKey.size > 0 && h(BulkBar, { rows, total: list.byKey.size, onDecided: () => void reload() })}
+      ${!key && h(EffectLine, {})}
     </div>`;
   }
 
