@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from server.browse.columns import number, pose_list
@@ -15,10 +17,19 @@ from slam.graph.optimizer import chi2
 from slam.types import UNKNOWN_VARIANCE, Candidate, Link
 
 
-def link_detail(snapshot: Snapshot, from_id: int, to_id: int) -> LinkDetail:
-    """All that is known of a pair; raises NotFoundError when it is neither linked nor was looked at."""
+def link_detail(
+    snapshot: Snapshot, from_id: int, to_id: int, tried: Mapping[Pair, Candidate] | None = None
+) -> LinkDetail:
+    """All that is known of a pair; raises NotFoundError when it is neither linked nor was looked at.
+
+    Args:
+        snapshot: of the map.
+        from_id: of either node.
+        to_id: of the other.
+        tried: what was registered since to see what another threshold would mean.
+    """
     pair = (min(from_id, to_id), max(from_id, to_id))
-    candidate = _candidate(snapshot, pair)
+    candidate = _candidate(snapshot, pair) or (tried or {}).get(pair)
     link = snapshot.links.get(pair) or _as_link(candidate) or _removed(snapshot, pair)
     if link is None:
         raise NotFoundError(f"nodes {from_id} and {to_id} are not linked, and no loop between them was looked at")

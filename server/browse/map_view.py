@@ -10,6 +10,7 @@ from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
 from server.browse.trials import LoopTrials
+from server.browse.what_if import WhatIfs
 from server.catalog import MapFile
 from slam.database import MapReader
 
@@ -25,6 +26,7 @@ class MapView:
         increments: what changed in the graph since which revision.
         statistics: of its updates.
         trials: what the images say of loops that were never tried.
+        what_ifs: what another ``Rtabmap/LoopThr`` would mean.
     """
 
     def __init__(self, file: MapFile) -> None:
@@ -33,6 +35,7 @@ class MapView:
         self.increments = Increments()
         self.statistics = StatisticsLog(self.reader)
         self.trials = LoopTrials(self.reader)
+        self.what_ifs = WhatIfs(self)
         self._tiers = TierLog(self.reader)
         self._lock = threading.Lock()
         self._print: Fingerprint = ()

@@ -8,7 +8,6 @@ from fastapi import APIRouter, Query
 
 from server.browse.journal import journal_entry
 from server.browse.loops import loops
-from server.browse.what_if import loop_what_if
 from server.routes.access import ServicesDep, ViewDep
 from server.schemas import Decision, DecisionResult, Journal, Loops, LoopWhatIf
 
@@ -30,7 +29,7 @@ def foresee_loops(
     graph: Annotated[bool, Query(description="Optimise the graph with these loops as well.")] = False,
 ) -> LoopWhatIf:
     """The loops that would be there with another Rtabmap/LoopThr; nothing is changed."""
-    return loop_what_if(view, loop_thr, with_graph=graph)
+    return view.what_ifs.at(loop_thr, with_graph=graph)
 
 
 @router.get("/decisions")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from server.schemas.base import Pair, Schema
 
@@ -30,6 +32,8 @@ class Scene(Schema):
     dark: bool = True
     selected_node: int | None = None
     selected_link: Pair | None = None
+    what_if: float | None = None
+    """The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts."""
 
 
 class LayerChange(Schema):
@@ -52,3 +56,4 @@ class SceneChange(Schema):
     dark: bool | None = None
     selected_node: int | None = None
     selected_link: Pair | None = None
+    what_if: Annotated[float, Field(ge=0, le=1)] | None = None

@@ -77,6 +77,31 @@ def test_filters_and_order(library: Served, open_page: OpenPage) -> None:
     assert min(shown) >= 80
 
 
+def test_another_threshold_says_which_loops_would_come_and_go(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, f"{LOOPS}?tab=what-if")
+    outcomes = page.get_by_role("group", name="Outcome")
+    expect(outcomes.get_by_role("button", name="goes 0")).to_be_visible()
+    page.get_by_label("Threshold").fill("1")
+    page.keyboard.press("Enter")
+    expect(outcomes.get_by_role("button", name=re.compile("goes [1-9]"))).to_be_visible()
+    rows = page.get_by_role("table", name="Foreseen loops").get_by_role("row")
+    expect(rows.filter(has_text="goes").first).to_contain_text("yes")
+    expect(page.locator(".what-if-facts")).to_contain_text(re.compile(r"Recall\s*0.0 %.*ATE.* → ", re.S))
+    expect(page.get_by_role("list", name="Legend")).to_contain_text("at LoopThr 1")
+    expect(page.locator("#what-if-apply")).to_be_disabled()
+    # The line in the chart of the hypothesis is another handle of the same threshold.
+    box = page.locator(".strip-chart .u-over").nth(2).bounding_box()
+    assert box is not None
+    top = box["y"] + box["height"] * (1 - 1 / 1.08)
+    page.mouse.move(box["x"] + 20, top)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 20, box["y"] + box["height"] / 2, steps=4)
+    page.mouse.up()
+    expect(page.get_by_label("Threshold")).to_have_value(re.compile(r"0\.[3-7]"))
+    page.get_by_role("link", name="Queue").click()
+    expect(page.get_by_role("list", name="Legend")).not_to_contain_text("at LoopThr")
+
+
 def test_reject_shows_the_effect_and_undo_takes_it_back(own: Served, open_page: OpenPage) -> None:
     page = open_page(own, LOOPS)
     key = first_accepted(page)

@@ -27,7 +27,8 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
     if (locked) return;
     if (await decide(action === "undo" ? { action } : { action, from, to })) onDecided();
   };
-  const isLoop = type !== null && /Closure$/.test(type);
+  // One without a state was only tried to see what another threshold would mean.
+  const isLoop = state !== null && type !== null && /Closure$/.test(type);
   const canApprove = isLoop && measured && state !== "approved" && state !== "added";
   const canReject = isLoop && state !== "rejected" && state !== "refused";
   useKeys({
@@ -37,7 +38,7 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
   return html`<footer class="decisions">
     ${h(EffectLine, {})}
     <div class="decision-buttons">
-      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? (measured ? "This loop is right" : "Verification found no transform that could be approved"), disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
+      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? (state === null ? "Only tried for the what-if: a lower LoopThr would let it in" : measured ? "This loop is right" : "Verification found no transform that could be approved"), disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
       ${h(Button, { id: "reject", label: "Reject", keys: "R", kind: "bad", hint: locked ?? "Take this loop out of the graph", disabled: busy || !canReject || !!locked, onClick: () => void run("reject") })}
       ${h(Button, { id: "undo", label: "Undo", keys: "U", hint: locked ?? "Take the last decision back; Shift U makes it again", disabled: busy || !!locked, onClick: () => void run("undo") })}
       ${h(Button, { id: "previous", label: "Prev", keys: "K", onClick: () => onStep(-1) })}

@@ -998,6 +998,11 @@ export interface components {
          */
         LoopWhatIf: {
             /**
+             * Ate Now M
+             * @description Trajectory error of the map as it is.
+             */
+            ate_now_m: number | null;
+            /**
              * Counts
              * @description By outcome.
              */
@@ -1477,6 +1482,11 @@ export interface components {
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /**
+             * What If
+             * @description The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts.
+             */
+            what_if?: number | null;
         };
         /**
          * SceneChange
@@ -1492,6 +1502,8 @@ export interface components {
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /** What If */
+            what_if?: number | null;
         };
         /**
          * SceneLayers

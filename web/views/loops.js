@@ -18,17 +18,24 @@ import { loopColumns } from "../parts/loop_columns.js";
 import { Empty, Failed, Loading } from "../parts/state.js";
 import { Table } from "../parts/table.js";
 import { useChanged } from "../parts/use.js";
+import { WhatIfPanel } from "../parts/what_if.js";
 
 /** @typedef {import("../loop_list.js").LoopRow} LoopRow */
 
 const order = remembered("loop-order", "-doubt");
+/** @type {[string, string][]} */
+const TABS = [
+  ["", "Queue"],
+  ["what-if", "What if"],
+  ["journal", "Journal"],
+];
 const NO_FILTER = { states: /** @type {string[]} */ ([]), type: "", minInliers: 0 };
 
 export function Loops() {
   const map = /** @type {string} */ (openMapId.value);
   const list = useMemo(() => new LoopList(map), [map]);
   const [filter, setFilter] = useState(NO_FILTER);
-  const journal = route.value.query.get("tab") === "journal";
+  const tab = TABS.find(([name]) => name === route.value.query.get("tab"))?.[0] ?? "";
 
   useEffect(() => void list.pull(), [list]);
   useEffect(() => on("decision", (_, of) => of === map && void list.pull({ all: true })), [list]);
@@ -38,7 +45,7 @@ export function Loops() {
   const rows = list.rows({ ...filter, order: order.value });
   const key = route.value.key;
   const selected = rows.findIndex((row) => row.key === key || `${row.to}-${row.from}` === key);
-  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key });
+  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key, query: tabQuery(tab) });
   const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
   const reload = () => list.pull({ all: true });
   const answer = async (/** @type {"undo" | "redo"} */ action) => void (!lockReason() && (await decide({ action })) && reload());
@@ -49,11 +56,10 @@ export function Loops() {
       <h2>Loop closures</h2>
       <span class="quiet grow">${list.byKey.size ? text.whole(list.byKey.size) : ""}</span>
       <nav class="tabs" aria-label="Loops">
-        <a href=${link({ view: "loops", key })} aria-current=${journal ? undefined : "true"}>Queue</a>
-        <a href=${link({ view: "loops", key, query: { tab: "journal" } })} aria-current=${journal ? "true" : undefined}>Journal</a>
+        ${TABS.map(([name, label]) => html`<a key=${name} href=${link({ view: "loops", key, query: tabQuery(name) })} aria-current=${name === tab ? "true" : undefined}>${label}</a>`)}
       </nav>
     </div>
-    ${journal ? h(Journal, { map, quiet: Boolean(key) }) : queue()}
+    ${tab === "journal" ? h(Journal, { map, quiet: Boolean(key) }) : tab === "what-if" ? h(WhatIfPanel, { map, selected: key }) : queue()}
     ${key && h(LinkEvidence, { key, map, link: key, row: rows[selected], onStep: step, onDecided: reload })}
   </div>`;
 
@@ -85,6 +91,11 @@ export function Loops() {
       onOrder: (next) => (order.value = next),
     });
   }
+}
+
+/** @param {string} tab @returns {Record<string, string>} */
+function tabQuery(tab) {
+  return tab ? { tab } : {};
 }
 
 function NoLoops() {
