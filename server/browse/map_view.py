@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
+from server.browse.beliefs import BeliefLog
 from server.browse.increments import Increments
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
@@ -37,6 +38,7 @@ class MapView:
         self.trials = LoopTrials(self.reader)
         self.what_ifs = WhatIfs(self)
         self._tiers = TierLog(self.reader)
+        self._beliefs = BeliefLog(self.reader)
         self._lock = threading.Lock()
         self._print: Fingerprint = ()
         self._revision = 0
@@ -52,7 +54,7 @@ class MapView:
                 return known
             if known is None or known.revision == self._revision:
                 self._revision += 1
-            self._snapshot = Snapshot(self.reader, self._revision, self._tiers.read())
+            self._snapshot = Snapshot(self.reader, self._revision, self._tiers.read(), self._beliefs)
             self._print = now
             return self._snapshot
 

@@ -21,6 +21,7 @@ from server.scene.measure import Measure
 from server.scene.model import ModelLayer
 from server.scene.newest import NewestLayer
 from server.scene.nodes import NodeLayer
+from server.scene.overlay import OverlayLayer
 from server.scene.paths import PathLayer
 from server.scene.placed import PlacedGraph
 from server.scene.viewer import Viewer
@@ -75,6 +76,7 @@ class Painter:
         self._landmarks = LandmarkLayer(scene)
         self._model = ModelLayer(scene)
         self._ghosts = GhostLayer(scene)
+        self._overlay = OverlayLayer(scene)
         self._highlight = Highlight(scene)
         self._framing: Framing | None = None
         self._shown: Picture | None = None
@@ -99,7 +101,8 @@ class Painter:
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
-            self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud)
+            overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
+            self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud and not overlaid)
             self._draw_graph(picture)
             self._highlight.draw(snapshot, graph, *_selection(state), picture.measure, picture.look)
             self._model.draw(snapshot.reader, snapshot.revision, visible=state.layers.model)

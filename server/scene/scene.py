@@ -71,6 +71,8 @@ class MapScene:
             state.dark = change.dark if change.dark is not None else state.dark
             if "what_if" in named:
                 state.what_if = change.what_if
+            if "overlay" in named:
+                state.overlay = change.overlay
             if "selected_node" in named:
                 state.selected_node = change.selected_node
                 if change.selected_node is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from server.schemas.base import Axes, PoseList, Schema, Size
+from server.schemas.base import Axes, Pair, PoseList, Schema, Size
 from slam.database import LoopState
 
 
@@ -34,6 +34,15 @@ class LoopDoubt(Schema):
     """Those of them that it agrees with."""
 
 
+class LoopRival(Schema):
+    """A place elsewhere in the map that looks like the one which the loop leads to."""
+
+    node: int
+    distance_m: float
+    share: float
+    """Of the place's likelihood or posterior: near 1 it was nearly as likely."""
+
+
 class LoopRow(Schema):
     """A loop in the review queue."""
 
@@ -51,6 +60,11 @@ class LoopRow(Schema):
     doubt: LoopDoubt | None
     """None where there is no transform to judge."""
     translation_m: float | None
+    graph_distance: int
+    """Nodes from one end to the other along the path."""
+    sessions: Pair
+    """Of both ends."""
+    look_alike: LoopRival | None
     update: int
     """The node whose update looked at it."""
     reason: LoopReason | None
@@ -86,6 +100,11 @@ class LinkDetail(Schema):
     inliers: int | None
     matches: int | None
     reason: LoopReason | None
+    look_alike: LoopRival | None
+    covariance: list[list[float]] | None
+    """6x6, ordered x y z roll pitch yaw; None where nothing was measured."""
+    update: int | None
+    """The node whose update looked at it; None for links that were never a candidate."""
     explanation: str
 
 

@@ -9,6 +9,8 @@ from pydantic import Field
 from server.schemas.base import Pair, Schema
 
 Colouring = Literal["memory", "session", "time", "weight"]
+#: The measured transform of the link, or the optimised poses.
+Overlay = Literal["link", "poses"]
 
 
 class SceneLayers(Schema):
@@ -34,6 +36,8 @@ class Scene(Schema):
     selected_link: Pair | None = None
     what_if: float | None = None
     """The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts."""
+    overlay: Overlay | None = None
+    """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
 
 
 class LayerChange(Schema):
@@ -57,3 +61,4 @@ class SceneChange(Schema):
     selected_node: int | None = None
     selected_link: Pair | None = None
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
+    overlay: Overlay | None = None

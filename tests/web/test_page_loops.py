@@ -50,6 +50,15 @@ def test_a_loop_shows_its_evidence(library: Served, open_page: OpenPage) -> None
     for name in ("Inliers", "Sigma", "Residual", "Translation", "Rotation"):
         expect(evidence.get_by_text(name, exact=True)).to_be_visible()
     expect(evidence.locator("#why")).to_contain_text("Vis/MinInliers")
+    evidence.get_by_text("Covariance 6×6").click()
+    expect(evidence.get_by_role("rowheader")).to_have_text(["x", "y", "z", "roll", "pitch", "yaw"])
+    clouds = evidence.get_by_role("group", name="Clouds in the 3D view")
+    clouds.get_by_role("button", name="by the link").click()
+    expect(clouds.get_by_role("button", name="by the link")).to_have_attribute("aria-pressed", "true")
+    clouds.get_by_role("button", name="by the link").click()
+    page.get_by_label("Type").select_option("GlobalClosure")
+    first_accepted(page)
+    expect(page.locator("#belief")).to_contain_text(re.compile(r"all places.*LoopThr", re.S))
 
 
 def test_keys_walk_through_the_queue(library: Served, open_page: OpenPage) -> None:
@@ -75,6 +84,13 @@ def test_filters_and_order(library: Served, open_page: OpenPage) -> None:
     shown = [int(text.split("/")[0]) for text in page.locator(".table-row .cell:nth-child(5)").all_inner_texts()]
     assert shown == sorted(shown, reverse=True)
     assert min(shown) >= 80
+    page.get_by_role("button", name="More").click()
+    page.get_by_label("Inlier ratio, at most").fill("0.9")
+    page.get_by_label("Sort by").select_option("ratio")
+    expect(page.get_by_role("columnheader", name="Ratio")).to_be_visible()
+    ratios = [float(text) for text in page.locator(".table-row .cell:last-child").all_inner_texts()]
+    assert ratios == sorted(ratios, reverse=True)
+    assert max(ratios) <= 0.9
 
 
 def test_another_threshold_says_which_loops_would_come_and_go(library: Served, open_page: OpenPage) -> None:

@@ -843,6 +843,11 @@ export interface components {
              * @description Of the whole graph's chi2.
              */
             chi2_share: number | null;
+            /**
+             * Covariance
+             * @description 6x6, ordered x y z roll pitch yaw; None where nothing was measured.
+             */
+            covariance: number[][] | null;
             doubt: components["schemas"]["LoopDoubt"] | null;
             /** Explanation */
             explanation: string;
@@ -850,6 +855,7 @@ export interface components {
             from: number;
             /** Inliers */
             inliers: number | null;
+            look_alike: components["schemas"]["LoopRival"] | null;
             /** Matches */
             matches: number | null;
             /** Posterior */
@@ -873,6 +879,11 @@ export interface components {
             translation_m: number | null;
             /** Type */
             type: string;
+            /**
+             * Update
+             * @description The node whose update looked at it; None for links that were never a candidate.
+             */
+            update: number | null;
         };
         /**
          * LinkMatches
@@ -948,6 +959,21 @@ export interface components {
             value: number | null;
         };
         /**
+         * LoopRival
+         * @description A place elsewhere in the map that looks like the one which the loop leads to.
+         */
+        LoopRival: {
+            /** Distance M */
+            distance_m: number;
+            /** Node */
+            node: number;
+            /**
+             * Share
+             * @description Of the place's likelihood or posterior: near 1 it was nearly as likely.
+             */
+            share: number;
+        };
+        /**
          * LoopRow
          * @description A loop in the review queue.
          */
@@ -956,6 +982,11 @@ export interface components {
             doubt: components["schemas"]["LoopDoubt"] | null;
             /** From */
             from: number;
+            /**
+             * Graph Distance
+             * @description Nodes from one end to the other along the path.
+             */
+            graph_distance: number;
             /** Inliers */
             inliers: number | null;
             /**
@@ -963,6 +994,7 @@ export interface components {
              * @description Both ids as they are stored, ``147-61``.
              */
             key: string;
+            look_alike: components["schemas"]["LoopRival"] | null;
             /** Matches */
             matches: number | null;
             /** Posterior */
@@ -973,6 +1005,11 @@ export interface components {
              * @description None while the link isn't in the graph.
              */
             residual_sigma: number | null;
+            /**
+             * Sessions
+             * @description Of both ends.
+             */
+            sessions: number[];
             state: components["schemas"]["LoopState"];
             /** To */
             to: number;
@@ -1478,6 +1515,11 @@ export interface components {
              */
             dark: boolean;
             layers: components["schemas"]["SceneLayers"];
+            /**
+             * Overlay
+             * @description The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds.
+             */
+            overlay?: ("link" | "poses") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */
@@ -1498,6 +1540,8 @@ export interface components {
             /** Dark */
             dark?: boolean | null;
             layers?: components["schemas"]["LayerChange"] | null;
+            /** Overlay */
+            overlay?: ("link" | "poses") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */

@@ -5,7 +5,7 @@ import { decide } from "../actions.js";
 import { on } from "../events.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
-import { LoopList } from "../loop_list.js";
+import { LoopList, NO_FILTER } from "../loop_list.js";
 import { go, link, openMapId, route } from "../router.js";
 import { remembered } from "../prefs.js";
 import { graphRevision, inForce } from "../store.js";
@@ -29,7 +29,6 @@ const TABS = [
   ["what-if", "What if"],
   ["journal", "Journal"],
 ];
-const NO_FILTER = { states: /** @type {string[]} */ ([]), type: "", minInliers: 0 };
 
 export function Loops() {
   const map = /** @type {string} */ (openMapId.value);
@@ -65,7 +64,7 @@ export function Loops() {
 
   function queue() {
     return html`<div class="view-part">
-      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), onChange: setFilter })}
+      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), sessions: list.sessions(), order: order.value, onChange: setFilter, onOrder: (next) => (order.value = next) })}
       <div class="view-table">${queueTable()}</div>
       ${list.byKey.size > 0 && h(BulkBar, { rows, total: list.byKey.size, onDecided: () => void reload() })}
       ${!key && h(EffectLine, {})}
@@ -82,7 +81,7 @@ export function Loops() {
     }
     return h(/** @type {typeof Table<LoopRow>} */ (Table), {
       label: "Loop closures",
-      columns: loopColumns(),
+      columns: loopColumns(order.value),
       total: rows.length,
       rowAt: (index) => rows[index],
       selected,
