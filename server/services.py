@@ -14,6 +14,7 @@ from server.engine.commands import Decide, RunJob
 from server.engine.events import Event, GraphChanged, Moved, NodeAdded
 from server.errors import EngineError
 from server.hub import Hub
+from server.robust import RobustWeights
 from server.runs import checked_source
 from server.scene.scenes import Scenes
 from server.schemas import Decision, DecisionResult, Session, StartRun
@@ -35,6 +36,7 @@ class Services:
         self.session = RunSession(self.hub, self._heard)
         self.editors = Editors(self._heard)
         self.scenes = Scenes(self.hub)
+        self.robust = RobustWeights(self.hub)
         self._views: OrderedDict[tuple[str, int], MapView] = OrderedDict()
         self._lock = threading.Lock()
 
@@ -92,6 +94,7 @@ class Services:
         await self.session.close()
         await self.editors.close()
         self.scenes.close()
+        self.robust.close()
 
     def _heard(self, map_id: str, event: Event) -> None:
         """An engine told something about a map."""

@@ -2,6 +2,7 @@
 // and then, since residuals change with every optimisation.
 import { signal } from "@preact/signals";
 import { get } from "./api.js";
+import { weightOf } from "./weights.js";
 import { ALIKE, inlierRatio, SUSPECT } from "./parts/loop_columns.js";
 
 /** @typedef {import("./types/http").Schemas["LoopRow"]} LoopRow */
@@ -29,6 +30,7 @@ export const RANGES = [
   { key: "ratio", label: "Inlier ratio", unit: "" },
   { key: "look_alike", label: "Look-alike", unit: "share" },
   { key: "translation_m", label: "Length", unit: "m" },
+  { key: "gnc", label: "GNC weight", unit: "" },
   { key: "graph_distance", label: "Apart", unit: "nodes" },
 ];
 
@@ -110,6 +112,7 @@ export class LoopList {
 function value(loop, key) {
   if (key === "doubt") return loop.doubt?.score;
   if (key === "look_alike") return loop.look_alike?.share;
+  if (key === "gnc") return weightOf(loop);
   if (key === "ratio") return inlierRatio(loop);
   if (key === "sessions") return Math.abs(loop.sessions[0] - loop.sessions[1]) * 1e6 + Math.max(...loop.sessions);
   return loop[/** @type {keyof LoopRow} */ (key)];

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 from server.browse.journal import journal_entry
 from server.browse.loops import loops
 from server.routes.access import ServicesDep, ViewDep
-from server.schemas import Decision, DecisionResult, Journal, Loops, LoopWhatIf
+from server.schemas import Decision, DecisionResult, Journal, Loops, LoopWeights, LoopWhatIf
 
 router = APIRouter(prefix="/api/maps/{map}", tags=["loops"])
 
@@ -30,6 +30,18 @@ def foresee_loops(
 ) -> LoopWhatIf:
     """The loops that would be there with another Rtabmap/LoopThr; nothing is changed."""
     return view.what_ifs.at(loop_thr, with_graph=graph)
+
+
+@router.post("/loop-weights")
+def weigh_loops(services: ServicesDep, view: ViewDep) -> LoopWeights:
+    """Begin to work out how much GNC lets each loop count; the stream tells when it is done (``weights``)."""
+    return services.robust.start(view)
+
+
+@router.get("/loop-weights")
+def get_loop_weights(services: ServicesDep, view: ViewDep) -> LoopWeights:
+    """What GNC said last, or that it is at it."""
+    return services.robust.state(view)
 
 
 @router.get("/decisions")

@@ -11,7 +11,7 @@ from server.schemas.decisions import (
     RefusedDecision,
 )
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
-from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRival, LoopRow, Loops
+from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRival, LoopRow, Loops, LoopWeights
 from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
 from server.schemas.nodes import (
     CameraModel,
@@ -60,6 +60,7 @@ __all__ = [
     "LoopReason",
     "LoopRival",
     "LoopRow",
+    "LoopWeights",
     "LoopWhatIf",
     "Loops",
     "MapFacts",

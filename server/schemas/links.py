@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from server.schemas.base import Axes, Pair, PoseList, Schema, Size
@@ -76,6 +78,20 @@ class Loops(Schema):
     loops: list[LoopRow]
     counts: dict[str, int]
     """By state."""
+
+
+class LoopWeights(Schema):
+    """How much graduated non-convexity (GNC) lets each loop count."""
+
+    state: Literal["none", "running", "done", "failed"]
+    message: str
+    """Why it failed."""
+    seconds: float
+    """That it took, or has taken so far."""
+    stale: bool
+    """Whether the map has changed since."""
+    weights: dict[str, float]
+    """From 0 to 1, by both ids, smaller first: ``61-147``."""
 
 
 class LinkDetail(Schema):

@@ -91,6 +91,9 @@ def test_filters_and_order(library: Served, open_page: OpenPage) -> None:
     ratios = [float(text) for text in page.locator(".table-row .cell:last-child").all_inner_texts()]
     assert ratios == sorted(ratios, reverse=True)
     assert max(ratios) <= 0.9
+    page.get_by_role("button", name="Weigh by GNC").click()
+    expect(page.get_by_role("columnheader", name="GNC")).to_be_visible(timeout=SLOW)
+    expect(page.locator(".table-row .cell:nth-child(8)").first).to_have_text(re.compile(r"\d\.\d\d"))
 
 
 def test_another_threshold_says_which_loops_would_come_and_go(library: Served, open_page: OpenPage) -> None:

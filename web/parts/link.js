@@ -4,6 +4,7 @@ import { get } from "../api.js";
 import * as text from "../format.js";
 import { link as linkTo } from "../router.js";
 import { graphRevision, inForce } from "../store.js";
+import { weightOf, weights } from "../weights.js";
 import { Belief } from "./belief.js";
 import { DecisionBar } from "./decision_bar.js";
 import { Facts } from "./facts.js";
@@ -77,6 +78,7 @@ function facts(found) {
   const node = (/** @type {number} */ id) => html`<a href=${linkTo({ view: "nodes", key: id })}>${id}</a>`;
   const loopThr = Number(inForce("Rtabmap/LoopThr") ?? NaN);
   const enough = posterior !== null && posterior >= loopThr ? "≥" : "<";
+  const weight = weightOf(found);
   const { doubt, chi2_share: share, look_alike: alike } = found;
   return [
     ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
@@ -90,6 +92,7 @@ function facts(found) {
     ["Odometry", doubt?.odometry == null ? text.NONE : `${sigmaText(doubt.odometry)} σ away`, "How far odometry alone is from this transform"],
     ["Near by", doubt?.compared ? `${doubt.agreeing} of ${doubt.compared} loops agree` : text.NONE, "Loops near by, each with the odometry between"],
     ["Look-alike", alike ? html`${node(alike.node)} <span class=${alike.share >= ALIKE ? "ink-bad strong" : ""}>${text.fixed(100 * alike.share, 0)} %</span> as likely` : text.NONE, alike ? `The place elsewhere that rivals it most, ${text.length(alike.distance_m)} away` : "No place elsewhere in the map rivals it"],
+    ...(weight === null ? [] : [/** @type {import("./facts.js").Fact} */ (["GNC", html`weight <b class=${weight < 0.5 ? "ink-bad" : ""}>${text.fixed(weight)}</b>${weights.value?.stale ? " before the last change" : ""}`, "How much graduated non-convexity lets it count"])]),
     ["Distance", transform ? `${text.length(found.translation_m)} · ${text.fixed(found.rotation_deg, 1)} °` : text.NONE],
   ];
 }

@@ -1,6 +1,7 @@
 // The columns of the review queue.
 import { cx, h, html } from "../html.js";
 import * as text from "../format.js";
+import { weightOf, weights } from "../weights.js";
 import { Badge } from "./facts.js";
 import { LinkName } from "./link_name.js";
 
@@ -40,8 +41,21 @@ const MORE = [
   { key: "sessions", label: "Sessions", width: "56px", sortable: true, number: true, hint: "Of both ends", cell: ({ sessions: [a, b] }) => (a === b ? a : `${a} → ${b}`) },
   { key: "look_alike", label: "Alike", width: "48px", sortable: true, number: true, hint: "How likely the most similar place elsewhere in the map was, by this place: near 100 % it may be confused", cell: ({ look_alike: alike }) => (alike ? html`<span class=${cx(alike.share >= ALIKE && "ink-bad strong")}>${text.fixed(100 * alike.share, 0)} %</span>` : text.NONE) },
 ];
+/** @type {import("./table.js").TableColumn<LoopRow>} */
+const GNC = {
+  key: "gnc",
+  label: "GNC",
+  width: "38px",
+  sortable: true,
+  number: true,
+  hint: "How much graduated non-convexity lets it count: 0 where the rest of the graph contradicts it",
+  cell: (row) => {
+    const weight = weightOf(row);
+    return html`<span class=${cx(weight !== null && weight < 0.5 && "ink-bad strong", weights.value?.stale && "quiet")}>${text.fixed(weight)}</span>`;
+  },
+};
 /** What the queue can be sorted by, as [key, label]. @type {[string, string][]} */
-export const ORDERS = [["doubt", "Doubt"], ["residual_sigma", "Residual"], ["posterior", "Posterior"], ["inliers", "Inliers"], ["ratio", "Inlier ratio"], ["look_alike", "Look-alike"], ["translation_m", "Length"], ["graph_distance", "Nodes apart"], ["sessions", "Session"], ["from", "Node"], ["type", "Type"], ["state", "State"]];
+export const ORDERS = [["doubt", "Doubt"], ["residual_sigma", "Residual"], ["posterior", "Posterior"], ["inliers", "Inliers"], ["ratio", "Inlier ratio"], ["look_alike", "Look-alike"], ["gnc", "GNC weight"], ["translation_m", "Length"], ["graph_distance", "Nodes apart"], ["sessions", "Session"], ["from", "Node"], ["type", "Type"], ["state", "State"]];
 
 /** @param {LoopRow} row */
 export function inlierRatio({ inliers, matches }) {
@@ -50,7 +64,8 @@ export function inlierRatio({ inliers, matches }) {
 
 /** @param {string} order @returns {import("./table.js").TableColumn<LoopRow>[]} */
 export function loopColumns(order) {
-  return [...standing(), ...MORE.filter(({ key }) => key === order.replace("-", ""))];
+  const gnc = weights.value?.state === "done" ? [GNC] : [];
+  return [...standing(), ...gnc, ...MORE.filter(({ key }) => key === order.replace("-", ""))];
 }
 
 /** @returns {import("./table.js").TableColumn<LoopRow>[]} */

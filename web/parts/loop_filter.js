@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import { RANGES } from "../loop_list.js";
+import { weigh, weights } from "../weights.js";
 import { Button, Chip } from "./button.js";
 import { ORDERS } from "./loop_columns.js";
 
@@ -76,8 +77,17 @@ export function LoopFilter({ filter, counts, sessions, order, onChange, onOrder 
         </select>
       </label>
       ${RANGES.map(({ key: name, label, unit }) => html`<fieldset key=${name}><legend>${label}${unit && html` <span class="quiet">${unit}</span>`}</legend>${bound(name, label, 0)} ${bound(name, label, 1)}</fieldset>`)}
+      ${gncButton()}
       ${h(Button, { label: "Clear", disabled: !used, onClick: () => onChange({ ...filter, ranges: {}, session: null }) })}
     </div>`;
+  }
+
+  function gncButton() {
+    const now = weights.value;
+    const running = now?.state === "running";
+    const label = running ? "Weighing…" : now?.state === "done" ? "Weigh again" : "Weigh by GNC";
+    const hint = now?.state === "failed" ? `GNC failed: ${now.message}` : `Graduated non-convexity over the whole graph, in the background: a weight for each loop, 0 where the rest contradicts it${now?.stale ? ". The map has changed since the last time" : ""}`;
+    return html`<div class="filter-gnc">${h(Button, { id: "weigh", label, hint, disabled: running, onClick: () => void weigh() })}${now?.state === "failed" && html`<span class="ink-bad small clip" title=${now.message}>${now.message}</span>`}</div>`;
   }
 
   /** @param {string} name @param {string} label @param {0 | 1} side */
