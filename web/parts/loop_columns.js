@@ -54,6 +54,8 @@ const GNC = {
     return html`<span class=${cx(weight !== null && weight < 0.5 && "ink-bad strong", weights.value?.stale && "quiet")}>${text.fixed(weight)}</span>`;
   },
 };
+/** Columns that make room for those, in this order; the evidence of a loop has their figures as well. */
+const SPARED = ["type", "residual_sigma", "posterior"];
 /** What the queue can be sorted by, as [key, label]. @type {[string, string][]} */
 export const ORDERS = [["doubt", "Doubt"], ["residual_sigma", "Residual"], ["posterior", "Posterior"], ["inliers", "Inliers"], ["ratio", "Inlier ratio"], ["look_alike", "Look-alike"], ["gnc", "GNC weight"], ["translation_m", "Length"], ["graph_distance", "Nodes apart"], ["sessions", "Session"], ["from", "Node"], ["type", "Type"], ["state", "State"]];
 
@@ -64,8 +66,10 @@ export function inlierRatio({ inliers, matches }) {
 
 /** @param {string} order @returns {import("./table.js").TableColumn<LoopRow>[]} */
 export function loopColumns(order) {
-  const gnc = weights.value?.state === "done" ? [GNC] : [];
-  return [...standing(), ...gnc, ...MORE.filter(({ key }) => key === order.replace("-", ""))];
+  const sorted = order.replace("-", "");
+  const more = [...(weights.value?.state === "done" ? [GNC] : []), ...MORE.filter(({ key }) => key === sorted)];
+  const spared = SPARED.filter((key) => key !== sorted).slice(0, more.length);
+  return [...standing().filter(({ key }) => !spared.includes(key)), ...more];
 }
 
 /** @returns {import("./table.js").TableColumn<LoopRow>[]} */
