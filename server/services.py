@@ -6,7 +6,7 @@ import os
 import threading
 from collections import OrderedDict
 
-from server.browse.journal import journal_entry
+from server.browse.journal import decision_result
 from server.browse.map_view import MapView
 from server.catalog import Catalog
 from server.editors import Editors
@@ -14,9 +14,10 @@ from server.engine.commands import Decide, RunJob
 from server.engine.events import Event, GraphChanged, Moved, NodeAdded
 from server.errors import EngineError
 from server.hub import Hub
+from server.robust import RobustWeights
 from server.runs import checked_source
 from server.scene.scenes import Scenes
-from server.schemas import Decision, DecisionEffect, DecisionResult, Session, StartRun
+from server.schemas import Decision, DecisionResult, Session, StartRun
 from server.session import RunSession
 from server.settings import Settings
 from server.updates import update_message
@@ -35,6 +36,7 @@ class Services:
         self.session = RunSession(self.hub, self._heard)
         self.editors = Editors(self._heard)
         self.scenes = Scenes(self.hub)
+        self.robust = RobustWeights(self.hub)
         self._views: OrderedDict[tuple[str, int], MapView] = OrderedDict()
         self._lock = threading.Lock()
 
@@ -72,7 +74,7 @@ class Services:
 
     async def decide(self, view: MapView, decision: Decision) -> DecisionResult:
         """Carry out a decision in the process that may write the map."""
-        command = Decide(decision.action, decision.from_ or 0, decision.to or 0, "page")
+        command = Decide(decision.action, decision.pairs, decision.author.strip() or "page", decision.preview)
         if self.session.live_map == view.file.id:
             effect = await self.session.request(view.file.id, command)
         else:
@@ -81,23 +83,18 @@ class Services:
                     f"{view.file.name} can't be changed: the file and its folder must be writable, and of 0.18 or later"
                 )
             effect = await self.editors.request(view.file, command)
-        shown = DecisionEffect(
-            chi2_before=effect.chi2_before,
-            chi2_after=effect.chi2_after,
-            moved=effect.moved,
-            max_shift_m=effect.max_shift_m,
-            ate_before_m=effect.ate_before,
-            ate_after_m=effect.ate_after,
-        )
-        entry = journal_entry(effect.entry).model_copy(update={"effect": shown})
-        self.hub.publish("decision", view.file.id, entry.model_dump())
-        return DecisionResult(entry=entry, effect=shown, revision=self._graph_changed(view.file.id))
+        if effect.preview:
+            return decision_result(effect, None)
+        result = decision_result(effect, self._graph_changed(view.file.id))
+        self.hub.publish("decision", view.file.id, result.model_dump(by_alias=True))
+        return result
 
     async def close(self) -> None:
         """End every process and every 3D view."""
         await self.session.close()
         await self.editors.close()
         self.scenes.close()
+        self.robust.close()
 
     def _heard(self, map_id: str, event: Event) -> None:
         """An engine told something about a map."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 from slam.database.records import JournalEntry
 from slam.errors import DecisionError
@@ -53,17 +54,25 @@ class History:
         """The last decision about a pair (smaller id first) that stands."""
         return next((step.entry for step in reversed(self._standing) if step.entry.pair == pair), None)
 
-    def to_undo(self) -> Step:
-        """The last decision that stands; raises DecisionError when there is none."""
+    def to_undo(self) -> list[Step]:
+        """The last decision that stands, and those made together with it, the last first.
+
+        Raises:
+            DecisionError: none stands.
+        """
         if not self._standing:
             raise DecisionError("nothing to undo: no decision stands")
-        return self._standing[-1]
+        return _together(self._standing)
 
-    def to_redo(self) -> Step:
-        """The decision taken back last; raises DecisionError when none was since the last one was made."""
+    def to_redo(self) -> list[Step]:
+        """The decision taken back last, and those made together with it, in the order in which they were made.
+
+        Raises:
+            DecisionError: none was taken back since the last one was made.
+        """
         if not self._undone:
             raise DecisionError("nothing to redo: no decision was undone since the last one was made")
-        return self._undone[-1]
+        return _together(self._undone)
 
     def _move(
         self,
@@ -84,3 +93,11 @@ class History:
         stack.append(step)
         if len(stack) > EXACT_STEPS:
             stack[-EXACT_STEPS - 1] = replace(stack[-EXACT_STEPS - 1], here=None, there=None)
+
+
+def _together(stack: Sequence[Step]) -> list[Step]:
+    """The top of a stack with what is of the same batch, the top first."""
+    batch = stack[-1].entry.batch
+    if batch is None:
+        return [stack[-1]]
+    return list(takewhile(lambda step: step.entry.batch == batch, reversed(stack)))

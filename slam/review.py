@@ -11,16 +11,18 @@ from typing import Protocol
 from slam.database.records import JournalEntry
 from slam.errors import DecisionError, OptimizationError
 from slam.geometry import Pose
-from slam.graph.exchange import with_link, without_link
-from slam.graph.graph import PoseGraph, name
+from slam.graph.exchange import exchanged
+from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import chi2
 from slam.graph.shift import Shift, Snapshot
-from slam.history import History
+from slam.history import History, Step
 from slam.params import Params
-from slam.types import Candidate, Link, LinkType
+from slam.types import Candidate, Link
+from slam.verdicts import Rows, Verdict, approval, ordered, redoing, rejection, undoing
 
 #: Poses (id -> T_map_base) -> absolute trajectory error in metres, None without ground truth.
 Ate = Callable[[Mapping[int, Pose]], float | None]
+_DONE = {"approve": "approved", "reject": "rejected"}
 
 
 class LookedAt(Protocol):
@@ -47,24 +49,33 @@ class DecisionReader(Protocol):
 class DecisionWriter(Protocol):
     """What a review asks of the one writer of a map file."""
 
-    def append_decision(
+    def append_decisions(
         self,
-        entry: JournalEntry,
+        entries: Sequence[JournalEntry],
         *,
         add: Sequence[Link] = (),
         remove: Sequence[tuple[int, int]] = (),
         poses: Mapping[int, Pose],
-    ) -> int:
-        """Write journal, links and optimised poses in one transaction; returns the entry's number."""
+    ) -> list[int]:
+        """Write journal, links and optimised poses in one transaction; returns the entries' numbers."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Unsaid:
+    """A loop that a decision could not be made about, and why."""
+
+    from_id: int
+    to_id: int
+    reason: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Effect:
-    """What a decision did.
+    """What a decision did, or would do.
 
     Attributes:
-        entry: the journal's entry.
+        entries: the journal's entries, one for each loop.
         chi2_before: sum of squared, whitened residuals of all links before.
         chi2_after: the same after.
         moved: poses that moved by more than 1 mm or 0.05 deg.
@@ -72,9 +83,11 @@ class Effect:
         ate_before: absolute trajectory error in metres before, None without ground truth.
         ate_after: the same after.
         separated: nodes that lost their way to the oldest node of their graph.
+        refused: loops that were named and left as they are.
+        preview: whether nothing was changed.
     """
 
-    entry: JournalEntry
+    entries: tuple[JournalEntry, ...]
     chi2_before: float
     chi2_after: float
     moved: int
@@ -82,6 +95,13 @@ class Effect:
     ate_before: float | None
     ate_after: float | None
     separated: int
+    refused: tuple[Unsaid, ...] = ()
+    preview: bool = False
+
+    @property
+    def entry(self) -> JournalEntry:
+        """The first entry."""
+        return self.entries[0]
 
 
 class Review:
@@ -108,14 +128,7 @@ class Review:
         Raises:
             DecisionError: it is no loop, is approved already, or has no transform that could be added.
         """
-        link, last = self.graph.links.get(_pair(from_id, to_id)), self._history.last(_pair(from_id, to_id))
-        if link is None:
-            return self._decide("add", None, self._addable(from_id, to_id, last), author)
-        if not link.type.is_loop:
-            raise DecisionError(f"link {name(link)} is no loop: only loop closures are approved or rejected")
-        if last is not None and last.action in ("approve", "add"):
-            raise DecisionError(f"link {name(link)} is approved already, by decision {last.id}; undo that first")
-        return self._decide("approve", link, link, author)
+        return self.decide("approve", [(from_id, to_id)], author)
 
     def reject(self, from_id: int, to_id: int, author: str = "") -> Effect:
         """Say that a loop is false: removes one that is in the graph, marks one that was refused.
@@ -123,119 +136,144 @@ class Review:
         Raises:
             DecisionError: it is odometry, is rejected already, or unknown.
         """
-        link, last = self.graph.links.get(_pair(from_id, to_id)), self._history.last(_pair(from_id, to_id))
-        if link is not None and not link.type.is_loop:
-            raise DecisionError(f"link {name(link)} is odometry and can't be rejected: the path would come apart")
-        if link is not None:
-            return self._decide("reject", link, None, author)
-        if last is not None and last.action == "reject":
-            raise DecisionError(f"link {from_id}->{to_id} is rejected already, by decision {last.id}; undo that first")
-        if not self._candidates(from_id, to_id):
-            raise DecisionError(f"nodes {from_id} and {to_id} are not linked, and no loop between them was looked at")
-        return self._decide("reject", None, None, author, (from_id, to_id))
+        return self.decide("reject", [(from_id, to_id)], author)
 
-    def undo(self, author: str = "") -> Effect:
+    def decide(
+        self, action: Verdict, loops: Sequence[tuple[int, int]], author: str = "", *, preview: bool = False
+    ) -> Effect:
+        """Approve or reject several loops together: one optimisation, one transaction, and one undo takes all back.
+
+        Args:
+            action: what is said of each of them.
+            loops: both ids of each, in any order; those that it can't be said of are left out, and named in the effect.
+            author: who decides.
+            preview: only work out what it would do; nothing is changed or written.
+
+        Raises:
+            DecisionError: it can't be said of any of them, or there is no solution.
+        """
+        entries, refused, rows = [], [], self._looked_at()
+        verdict = {"approve": approval, "reject": rejection}[action]
+        for ids in {ordered(*ids): ids for ids in loops}.values():
+            try:
+                entries.append(verdict(self.graph, self._history, rows, ids, author))
+            except DecisionError as error:
+                refused.append(Unsaid(*ids, str(error)))
+        if not entries:
+            raise DecisionError(_nothing(action, refused))
+        return self._carry_out(entries, refused=tuple(refused), preview=preview)
+
+    def undo(self, author: str = "", *, preview: bool = False) -> Effect:
         """Take back the last decision that stands, to the last bit where the map hasn't changed since.
+
+        Decisions made together are taken back together.
 
         Raises:
             DecisionError: no decision stands, or the map has changed so that it can't be taken back.
         """
-        step = self._history.to_undo()
-        entry = _answer("undo", step.entry, step.entry.id, step.entry.link_after, step.entry.link_before, author)
-        return self._carry_out(entry, step.here, step.there)
+        steps = self._history.to_undo()
+        return self._carry_out([undoing(step, author) for step in steps], steps[0], preview=preview)
 
-    def redo(self, author: str = "") -> Effect:
+    def redo(self, author: str = "", *, preview: bool = False) -> Effect:
         """Do again what was undone last.
 
         Raises:
             DecisionError: nothing was undone since the last decision, or the map has changed.
         """
-        step = self._history.to_redo()
-        entry = _answer("redo", step.entry, step.undo_id, step.entry.link_before, step.entry.link_after, author)
-        return self._carry_out(entry, step.here, step.there)
+        steps = self._history.to_redo()
+        return self._carry_out([redoing(step, author) for step in steps], steps[0], preview=preview)
 
-    def _decide(
-        self, action: str, before: Link | None, after: Link | None, author: str, ids: tuple[int, int] = (0, 0)
+    def _carry_out(
+        self,
+        entries: Sequence[JournalEntry],
+        step: Step | None = None,
+        refused: tuple[Unsaid, ...] = (),
+        *,
+        preview: bool = False,
     ) -> Effect:
-        link = before or after
-        from_id, to_id = (link.from_id, link.to_id) if link is not None else ids
-        return self._carry_out(
-            JournalEntry(
-                action=action, from_id=from_id, to_id=to_id, author=author, link_before=before, link_after=after
-            )
-        )
-
-    def _carry_out(self, entry: JournalEntry, here: Snapshot | None = None, there: Snapshot | None = None) -> Effect:
-        """Change graph, file and history, all or none."""
-        poses, chi2_before, before = self.graph.poses, self._chi2(), Snapshot.of(self.graph.poses)
-        ate_before = self._ate(poses) if self._ate is not None else None
-        known = there if here is not None and here.same(poses) else None
+        """Change graph, file and history, all or none; a preview changes none of them."""
+        poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
+        known = step.there if step is not None and step.here is not None and step.here.same(poses) else None
+        was = self._chi2(), self._ate_at(poses)
         try:
-            with self._change(entry, known) as separated:
-                shift = Shift.between(poses, self.graph.poses)
-                chi2_after = chi2_before if self.graph.poses is poses else self._chi2()
-                ate_after = self._ate(self.graph.poses) if self._ate is not None else None
-                entry = replace(entry, time=time.time(), chi2_before=chi2_before, chi2_after=chi2_after)
-                entry = replace(entry, moved=shift.moved, max_shift_m=shift.max_m)
-                entry = replace(entry, id=self._write(entry))
+            with self._change(entries, known, keep=not preview) as separated:
+                now = was if self.graph.poses is poses else (self._chi2(), self._ate_at(self.graph.poses))
+                effect = _effect(was, now, Shift.between(poses, self.graph.poses), separated, refused, preview=preview)
+                entries = [_with_effect(entry, effect) for entry in entries]
+                if not preview:
+                    entries = self._write(entries)
         except OptimizationError as error:
-            raise DecisionError(f"{entry.action} {entry.from_id}->{entry.to_id} is not possible: {error}") from error
-        self._history.record(entry, before, Snapshot.of(self.graph.poses))
-        return Effect(entry, chi2_before, chi2_after, shift.moved, shift.max_m, ate_before, ate_after, separated)
+            what = f"{entries[0].action} {', '.join(f'{e.from_id}->{e.to_id}' for e in entries)}"
+            raise DecisionError(f"{what} is not possible: {error}") from error
+        if not preview:
+            after = Snapshot.of(self.graph.poses)
+            for entry in entries:
+                self._history.record(entry, before, after)
+        return replace(effect, entries=tuple(entries))
 
-    def _change(self, entry: JournalEntry, there: Snapshot | None) -> AbstractContextManager[int]:
-        before, after = entry.link_before, entry.link_after
-        if before is None and after is not None:
-            return with_link(self.graph, after, self.params, there)
-        if before is not None and after is None:
-            return without_link(self.graph, before.pair, self.params, there)
-        return nullcontext(0)
+    def _change(
+        self, entries: Sequence[JournalEntry], there: Snapshot | None, *, keep: bool
+    ) -> AbstractContextManager[int]:
+        add, remove = _links(entries)
+        if not add and not remove:
+            return nullcontext(0)
+        return exchanged(self.graph, [link.pair for link in remove], add, self.params, there, keep=keep)
 
-    def _write(self, entry: JournalEntry) -> int:
-        before, after = entry.link_before, entry.link_after
-        if (before is None) == (after is None):
-            return self._writer.append_decision(entry, poses={})
-        add = [after] if after is not None else []
-        remove = [(before.from_id, before.to_id)] if before is not None else []
-        return self._writer.append_decision(entry, add=add, remove=remove, poses=self.graph.poses)
+    def _write(self, entries: Sequence[JournalEntry]) -> list[JournalEntry]:
+        add, remove = _links(entries)
+        gone = [(link.from_id, link.to_id) for link in remove]
+        poses = self.graph.poses if add or remove else {}
+        numbers = self._writer.append_decisions(entries, add=add, remove=gone, poses=poses)
+        batch = numbers[0] if len(numbers) > 1 else None
+        return [replace(entry, id=k, batch=batch) for entry, k in zip(entries, numbers, strict=True)]
 
-    def _addable(self, from_id: int, to_id: int, last: JournalEntry | None) -> Link:
-        """The link that approving a pair adds: the one that was rejected, else that of the newest candidate."""
-        if last is not None and last.action == "reject" and last.link_before is not None:
-            return last.link_before
-        known = self._candidates(from_id, to_id)
-        if not known:
-            raise DecisionError(
-                f"nodes {from_id} and {to_id}: no loop between them was looked at, so none can be added"
-            )
-        for item in reversed(known):
-            if item.T_from_to is not None and item.information is not None:
-                return Link(item.from_id, item.to_id, LinkType.USER_CLOSURE, item.T_from_to, item.information)
-        why = known[-1].refusal
-        reason = f" ({why.text})" if why is not None else ""
-        raise DecisionError(f"loop {from_id}->{to_id} can't be added: its registration found no transform{reason}")
-
-    def _candidates(self, from_id: int, to_id: int) -> list[Candidate]:
-        rows = (row.candidate for row in self._reader.candidates())
-        return [item for item in rows if _pair(item.from_id, item.to_id) == _pair(from_id, to_id)]
+    def _looked_at(self) -> Rows:
+        rows: dict[tuple[int, int], list[Candidate]] = {}
+        for row in self._reader.candidates():
+            rows.setdefault(ordered(row.candidate.from_id, row.candidate.to_id), []).append(row.candidate)
+        return rows
 
     def _chi2(self) -> float:
         return chi2([self.graph.links[pair] for pair in sorted(self.graph.links)], self.graph.poses)
 
+    def _ate_at(self, poses: Mapping[int, Pose]) -> float | None:
+        return None if self._ate is None else self._ate(poses)
 
-def _answer(
-    action: str, decision: JournalEntry, undoes: int, before: Link | None, after: Link | None, author: str
-) -> JournalEntry:
-    return JournalEntry(
-        action=action,
-        from_id=decision.from_id,
-        to_id=decision.to_id,
-        author=author,
-        link_before=before,
-        link_after=after,
-        undoes=undoes,
+
+def _nothing(action: Verdict, refused: Sequence[Unsaid]) -> str:
+    if not refused:
+        return f"nothing to {action}: no loop is named"
+    if len(refused) == 1:
+        return refused[0].reason
+    return f"none of these {len(refused)} loops can be {_DONE[action]}; the first: {refused[0].reason}"
+
+
+def _links(entries: Sequence[JournalEntry]) -> tuple[list[Link], list[Link]]:
+    """Links that these entries put into the graph, and those that they take out."""
+    changes = [(e.link_before, e.link_after) for e in entries if (e.link_before is None) != (e.link_after is None)]
+    return [after for _, after in changes if after], [before for before, _ in changes if before]
+
+
+def _effect(
+    was: tuple[float, float | None],
+    now: tuple[float, float | None],
+    shift: Shift,
+    separated: int,
+    refused: tuple[Unsaid, ...],
+    *,
+    preview: bool,
+) -> Effect:
+    return Effect((), was[0], now[0], shift.moved, shift.max_m, was[1], now[1], separated, refused, preview)
+
+
+def _with_effect(entry: JournalEntry, effect: Effect) -> JournalEntry:
+    return replace(
+        entry,
+        time=time.time(),
+        chi2_before=effect.chi2_before,
+        chi2_after=effect.chi2_after,
+        moved=effect.moved,
+        max_shift_m=effect.max_shift_m,
+        ate_before=effect.ate_before,
+        ate_after=effect.ate_after,
     )
-
-
-def _pair(a: int, b: int) -> tuple[int, int]:
-    return min(a, b), max(a, b)

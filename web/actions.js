@@ -1,6 +1,7 @@
 // What a person can make the server do; each failure becomes one message on the page.
 import { signal } from "@preact/signals";
 import { patch, post } from "./api.js";
+import { remembered } from "./prefs.js";
 import { graphRevision, loadInfo, parameters, scene } from "./store.js";
 import { openMapId } from "./router.js";
 
@@ -11,6 +12,11 @@ import { openMapId } from "./router.js";
 export const toasts = signal([]);
 /** @type {import("@preact/signals").Signal<Schemas["DecisionResult"] | null>} what the last decision did */
 export const lastDecision = signal(null);
+
+/** Whether a decision is being carried out. */
+export const deciding = signal(false);
+/** Who decides at this browser. */
+export const author = remembered("author", "");
 
 let toastCount = 0;
 
@@ -66,14 +72,25 @@ export async function setParameters(changes) {
   return answer;
 }
 
-/** @param {Schemas["Decision"]} decision */
+/** @typedef {Omit<Schemas["Decision"], "author" | "preview">} Decision */
+
+/** One at a time: the next is made when it is known what the last one did. @param {Decision} decision */
 export async function decide(decision) {
   const map = openMapId.value;
-  if (!map) return null;
-  const answer = await told(post("/api/maps/{map}/decisions", { path: { map }, body: decision }));
+  if (!map || deciding.value) return null;
+  deciding.value = true;
+  const body = { ...decision, author: author.value.trim(), preview: false };
+  const answer = await told(post("/api/maps/{map}/decisions", { path: { map }, body }));
+  deciding.value = false;
   if (!answer || map !== openMapId.value) return null;
   lastDecision.value = answer;
   graphRevision.value += 1;
   void loadInfo();
   return answer;
+}
+
+/** What a decision would do. @param {Decision} decision @param {AbortSignal} signal */
+export function foreseeDecision(decision, signal) {
+  const map = /** @type {string} */ (openMapId.value);
+  return post("/api/maps/{map}/decisions", { path: { map }, body: { ...decision, author: "", preview: true }, signal });
 }

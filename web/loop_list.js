@@ -2,9 +2,37 @@
 // and then, since residuals change with every optimisation.
 import { signal } from "@preact/signals";
 import { get } from "./api.js";
+import { weightOf } from "./weights.js";
+import { ALIKE, inlierRatio, SUSPECT } from "./parts/loop_columns.js";
 
 /** @typedef {import("./types/http").Schemas["LoopRow"]} LoopRow */
-/** @typedef {{states: string[], type: string, minInliers: number, order: string}} Filter no state named: all */
+/** @typedef {[number | null, number | null]} Range least and most, null for no bound */
+/**
+ * @typedef {object} LoopFilterState
+ * @property {string[]} states none named: all
+ * @property {boolean} suspect only those that something speaks against
+ * @property {string} type empty for all
+ * @property {number} minInliers
+ * @property {number | null} session of either end
+ * @property {Record<string, Range>} ranges by key of RANGES
+ */
+/** @typedef {LoopFilterState & {order: string}} Filter */
+
+/** @type {LoopFilterState} */
+export const NO_FILTER = { states: [], suspect: false, type: "", minInliers: 0, session: null, ranges: {} };
+
+/** What loops can be filtered by, between two numbers. @type {{key: string, label: string, unit: string}[]} */
+export const RANGES = [
+  { key: "doubt", label: "Doubt", unit: "" },
+  { key: "residual_sigma", label: "Residual", unit: "σ" },
+  { key: "posterior", label: "Posterior", unit: "" },
+  { key: "inliers", label: "Inliers", unit: "" },
+  { key: "ratio", label: "Inlier ratio", unit: "" },
+  { key: "look_alike", label: "Look-alike", unit: "share" },
+  { key: "translation_m", label: "Length", unit: "m" },
+  { key: "gnc", label: "GNC weight", unit: "" },
+  { key: "graph_distance", label: "Apart", unit: "nodes" },
+];
 
 const ALL_EVERY_MS = 10_000;
 
@@ -54,13 +82,25 @@ export class LoopList {
     /** @type {Record<string, number>} */
     const counts = {};
     for (const { state } of this.byKey.values()) counts[state] = (counts[state] ?? 0) + 1;
+    counts.suspect = [...this.byKey.values()].filter(isSuspect).length;
     return counts;
   }
 
+  /** Sessions that loops join, ascending. */
+  sessions() {
+    return [...new Set([...this.byKey.values()].flatMap(({ sessions }) => sessions))].sort((a, b) => a - b);
+  }
+
   /** @param {Filter} filter @returns {LoopRow[]} */
-  rows({ states, type, minInliers, order }) {
+  rows({ states, suspect, type, minInliers, session, ranges, order }) {
+    const bounds = Object.entries(ranges);
     const fits = (/** @type {LoopRow} */ loop) =>
-      (!states.length || states.includes(loop.state)) && (!type || loop.type === type) && (!minInliers || (loop.inliers ?? 0) >= minInliers);
+      (!states.length || states.includes(loop.state)) &&
+      (!suspect || isSuspect(loop)) &&
+      (!type || loop.type === type) &&
+      (!minInliers || (loop.inliers ?? 0) >= minInliers) &&
+      (session === null || loop.sessions.includes(session)) &&
+      bounds.every(([key, [least, most]]) => within(value(loop, key), least, most));
     const down = order.startsWith("-");
     const key = order.replace("-", "");
     const sign = down ? -1 : 1;
@@ -68,9 +108,25 @@ export class LoopList {
   }
 }
 
-/** What a loop is sorted by. @param {LoopRow} loop @param {string} key @returns {unknown} */
+/** What a loop is sorted and filtered by. @param {LoopRow} loop @param {string} key @returns {unknown} */
 function value(loop, key) {
-  return key === "doubt" ? loop.doubt?.score : loop[/** @type {keyof LoopRow} */ (key)];
+  if (key === "doubt") return loop.doubt?.score;
+  if (key === "look_alike") return loop.look_alike?.share;
+  if (key === "gnc") return weightOf(loop);
+  if (key === "ratio") return inlierRatio(loop);
+  if (key === "sessions") return Math.abs(loop.sessions[0] - loop.sessions[1]) * 1e6 + Math.max(...loop.sessions);
+  return loop[/** @type {keyof LoopRow} */ (key)];
+}
+
+/** What isn't known is within no bounds. @param {unknown} of @param {number | null} least @param {number | null} most */
+function within(of, least, most) {
+  return typeof of === "number" && (least === null || of >= least) && (most === null || of <= most);
+}
+
+/** @param {LoopRow} loop */
+function isSuspect({ state, doubt, look_alike: alike }) {
+  const stands = state === "accepted" || state === "refused";
+  return stands && ((doubt?.score ?? 0) >= SUSPECT || (state === "accepted" && (alike?.share ?? 0) >= ALIKE));
 }
 
 /** What has no value comes last, whichever way one sorts. @param {any} a @param {any} b @param {number} sign */

@@ -6,6 +6,7 @@ import math
 
 from server.browse.snapshot import Pair, Snapshot
 from slam.database import JournalEntry
+from slam.loop.aliasing import NEARLY
 from slam.types import Candidate, Link, LinkType
 
 _PLAIN = {
@@ -31,7 +32,16 @@ def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | N
         said.append(f"Refused: {candidate.refusal.text.rstrip('.')}.")
     else:
         said.append(f"{verdict}: {_grounds(snapshot, pair, candidate)}.")
-    return " ".join([*said, *_suspect(snapshot, pair)])
+    return " ".join([*said, *_suspect(snapshot, pair), *_rival(snapshot, pair)])
+
+
+def _rival(snapshot: Snapshot, pair: Pair) -> list[str]:
+    """Another place that looked the same, where it was nearly as likely."""
+    found = snapshot.look_alike(pair)
+    if found is None or found.share < NEARLY:
+        return []
+    how = "more likely" if found.share > 1.0 else f"{100 * found.share:.0f} % as likely"
+    return [f"Look-alike: node {found.node_id}, {found.distance_m:.1f} m away, was {how} by its looks."]
 
 
 def _suspect(snapshot: Snapshot, pair: Pair) -> list[str]:

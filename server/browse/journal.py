@@ -1,14 +1,28 @@
-"""People's decisions."""
+"""People's decisions, and what they did."""
 
 from __future__ import annotations
 
 from server.browse.columns import number
-from server.schemas import DecisionEffect, JournalEntry
+from server.schemas import DecisionEffect, DecisionResult, JournalEntry, RefusedDecision
 from slam.database import JournalEntry as StoredEntry
+from slam.review import Effect
+
+
+def decision_result(effect: Effect, revision: int | None) -> DecisionResult:
+    """What a decision did, as the page gets it; without a revision what it would do."""
+    entry = journal_entry(effect.entry)
+    return DecisionResult(
+        entry=entry,
+        count=len(effect.entries),
+        refused=[RefusedDecision(from_=one.from_id, to=one.to_id, reason=one.reason) for one in effect.refused],
+        effect=entry.effect.model_copy(update={"separated": effect.separated}),
+        preview=effect.preview,
+        revision=revision,
+    )
 
 
 def journal_entry(entry: StoredEntry) -> JournalEntry:
-    """An entry of the journal as the page gets it; the trajectory error of old entries isn't stored."""
+    """An entry of the journal as the page gets it."""
     return JournalEntry(
         id=entry.id,
         time=entry.time,
@@ -18,12 +32,13 @@ def journal_entry(entry: StoredEntry) -> JournalEntry:
         to_id=entry.to_id,
         note=entry.note,
         undone_by=entry.undone_by,
+        batch=entry.batch,
         effect=DecisionEffect(
             chi2_before=number(entry.chi2_before),
             chi2_after=number(entry.chi2_after),
             moved=entry.moved,
             max_shift_m=entry.max_shift_m,
-            ate_before_m=None,
-            ate_after_m=None,
+            ate_before_m=number(entry.ate_before),
+            ate_after_m=number(entry.ate_after),
         ),
     )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from server.browse.columns import number, pose_list
 from server.browse.explain import explain
-from server.browse.loops import doubt, evidence, loop_state, reason
+from server.browse.loops import doubt, evidence, loop_state, reason, rival
 from server.browse.snapshot import Pair, Snapshot
 from server.errors import NotFoundError
 from server.schemas import LinkDetail
@@ -15,10 +17,19 @@ from slam.graph.optimizer import chi2
 from slam.types import UNKNOWN_VARIANCE, Candidate, Link
 
 
-def link_detail(snapshot: Snapshot, from_id: int, to_id: int) -> LinkDetail:
-    """All that is known of a pair; raises NotFoundError when it is neither linked nor was looked at."""
+def link_detail(
+    snapshot: Snapshot, from_id: int, to_id: int, tried: Mapping[Pair, Candidate] | None = None
+) -> LinkDetail:
+    """All that is known of a pair; raises NotFoundError when it is neither linked nor was looked at.
+
+    Args:
+        snapshot: of the map.
+        from_id: of either node.
+        to_id: of the other.
+        tried: what was registered since to see what another threshold would mean.
+    """
     pair = (min(from_id, to_id), max(from_id, to_id))
-    candidate = _candidate(snapshot, pair)
+    candidate = _candidate(snapshot, pair) or (tried or {}).get(pair)
     link = snapshot.links.get(pair) or _as_link(candidate) or _removed(snapshot, pair)
     if link is None:
         raise NotFoundError(f"nodes {from_id} and {to_id} are not linked, and no loop between them was looked at")
@@ -42,8 +53,16 @@ def link_detail(snapshot: Snapshot, from_id: int, to_id: int) -> LinkDetail:
         inliers=None if candidate is None else evidence(candidate.inliers),
         matches=None if candidate is None else evidence(candidate.matches),
         reason=None if candidate is None else reason(candidate.refusal),
+        look_alike=rival(snapshot, pair),
+        covariance=None if T_from_to is None else _covariance(link.information),
+        update=_update(snapshot, pair, candidate),
         explanation=explain(snapshot, pair, link, candidate),
     )
+
+
+def measured_link(snapshot: Snapshot, pair: Pair) -> Link | None:
+    """What was measured between two nodes, in the graph or not; None where nothing was."""
+    return snapshot.links.get(pair) or _as_link(_candidate(snapshot, pair)) or _removed(snapshot, pair)
 
 
 def _candidate(snapshot: Snapshot, pair: Pair) -> Candidate | None:
@@ -72,6 +91,20 @@ def _sigmas(information: Array) -> Array | None:
     if not (variances > 0).all():
         return None
     return np.sqrt(np.minimum(variances, UNKNOWN_VARIANCE))
+
+
+def _covariance(information: Array) -> list[list[float]] | None:
+    """The whole matrix; None when it says nothing about an axis."""
+    if np.linalg.matrix_rank(information) < 6:
+        return None
+    return [[float(value) for value in row] for row in np.linalg.inv(information)]
+
+
+def _update(snapshot: Snapshot, pair: Pair, candidate: Candidate | None) -> int | None:
+    row = snapshot.candidates.get(pair)
+    if row is not None:
+        return row.update_id
+    return None if candidate is None else candidate.from_id
 
 
 def _chi2_share(snapshot: Snapshot, pair: Pair) -> float | None:

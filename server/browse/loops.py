@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from server.browse.columns import number
 from server.browse.snapshot import Pair, Snapshot
-from server.schemas import LoopDoubt, LoopReason, LoopRow, Loops
+from server.schemas import LoopDoubt, LoopReason, LoopRival, LoopRow, Loops
 from slam.database import LoopState
 from slam.geometry import translation_norm
 from slam.types import Candidate, Link, LinkType, Refusal
@@ -58,6 +58,14 @@ def doubt(snapshot: Snapshot, pair: Pair) -> LoopDoubt | None:
     )
 
 
+def rival(snapshot: Snapshot, pair: Pair) -> LoopRival | None:
+    """The place elsewhere that rivals the one which a loop leads to, as the page gets it."""
+    found = snapshot.look_alike(pair)
+    if found is None:
+        return None
+    return LoopRival(node=found.node_id, distance_m=found.distance_m, share=found.share)
+
+
 def evidence(count: int) -> int | None:
     """A number of matches or inliers; None when it was refused before they were counted."""
     return count if count >= 0 else None
@@ -89,9 +97,23 @@ def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
         residual_sigma=number(snapshot.residuals.get(pair)),
         doubt=doubt(snapshot, pair),
         translation_m=None if T_from_to is None else translation_norm(T_from_to),
+        graph_distance=_graph_distance(snapshot, pair),
+        sessions=[_session(snapshot, node_id) for node_id in (from_id, to_id)],
+        look_alike=rival(snapshot, pair),
         update=pair[1] if looked_at is None else looked_at.update_id,
         reason=None if candidate is None else reason(candidate.refusal),
     )
+
+
+def _graph_distance(snapshot: Snapshot, pair: Pair) -> int:
+    """Ends that are no nodes of the map any more count by their ids."""
+    a, b = (snapshot.rows.get(node_id) for node_id in pair)
+    return abs(pair[1] - pair[0]) if a is None or b is None else abs(b - a)
+
+
+def _session(snapshot: Snapshot, node_id: int) -> int:
+    row = snapshot.rows.get(node_id)
+    return -1 if row is None else int(snapshot.nodes.map_ids[row])
 
 
 def _direction(pair: Pair, link: Link | None, candidate: Candidate | None) -> Pair:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
+from server.browse.beliefs import BeliefLog
 from server.browse.increments import Increments
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
 from server.browse.trials import LoopTrials
+from server.browse.what_if import WhatIfs
 from server.catalog import MapFile
 from slam.database import Faults, MapReader
 
@@ -25,6 +27,7 @@ class MapView:
         increments: what changed in the graph since which revision.
         statistics: of its updates.
         trials: what the images say of loops that were never tried.
+        what_ifs: what another ``Rtabmap/LoopThr`` would mean.
     """
 
     def __init__(self, file: MapFile) -> None:
@@ -33,7 +36,9 @@ class MapView:
         self.increments = Increments()
         self.statistics = StatisticsLog(self.reader)
         self.trials = LoopTrials(self.reader)
+        self.what_ifs = WhatIfs(self)
         self._tiers = TierLog(self.reader)
+        self._beliefs = BeliefLog(self.reader)
         self._lock = threading.Lock()
         self._print: Fingerprint = ()
         self._revision = 0
@@ -51,7 +56,9 @@ class MapView:
                 return known
             if known is None or known.revision == self._revision:
                 self._revision += 1
-            self._snapshot = Snapshot(self.reader, self._revision, self._tiers.read(self._faults), self._faults)
+            self._snapshot = Snapshot(
+                self.reader, self._revision, self._tiers.read(self._faults), self._faults, self._beliefs
+            )
             self._print = now
             return self._snapshot
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from server.browse.beliefs import BeliefLog
 from server.browse.completion import Completion, complete
 from slam.accuracy import frames_ate_m, pooled_ate_m
 from slam.database import CandidateRow, Fault, Faults, JournalEntry, MapReader, NodeTable
@@ -20,6 +21,7 @@ from slam.graph.optimizer import chi2
 from slam.graph.suspicion import Suspicion, suspicions
 from slam.graph.verify import residual_ratios
 from slam.history import History
+from slam.loop.aliasing import LookAlike, look_alike
 from slam.params import Params, specs
 from slam.types import WEIGHT_INVALID, Link, Tier, TrackedFrame
 
@@ -37,9 +39,15 @@ class Snapshot:
     """
 
     def __init__(
-        self, reader: MapReader, revision: int, tiers: Mapping[int, Tier], faults: Faults | None = None
+        self,
+        reader: MapReader,
+        revision: int,
+        tiers: Mapping[int, Tier],
+        faults: Faults | None = None,
+        beliefs: BeliefLog | None = None,
     ) -> None:
         self.reader = reader
+        self._beliefs = beliefs or BeliefLog(reader)
         self.revision = revision
         self.tiers = tiers
         self.faults: Faults = dict(faults or {})
@@ -150,6 +158,14 @@ class Snapshot:
             if link is not None and pair not in graph.links and graph.has(*pair):
                 loops[pair] = link
         return suspicions(graph, list(loops.values()), self.params.RGBD.OptimizeMaxError)
+
+    def look_alike(self, pair: Pair) -> LookAlike | None:
+        """The place elsewhere that rivals the one which a hypothesis leads to; None for loops of another kind."""
+        row = self.candidates.get(pair)
+        if row is None or not np.isfinite(row.candidate.posterior):
+            return None
+        belief = self._beliefs.at(row.update_id)
+        return None if belief is None else look_alike(belief, row.candidate.to_id, self.poses)
 
     @cached_property
     def loop_counts(self) -> Counter[int]:

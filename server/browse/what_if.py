@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import threading
+from collections import Counter, OrderedDict
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from server.browse.columns import pose_list
 from server.browse.loops import evidence
-from server.browse.map_view import MapView
 from server.browse.snapshot import Snapshot
 from server.schemas import LoopWhatIf, WhatIfGraph, WhatIfLoop
 from slam.geometry import Pose, between, rotation_angle, translation_norm
-from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import choose_root, optimize
 from slam.graph.shift import Shift
 from slam.loop.closing import close
 from slam.loop.foresight import Foreseen, Hypothesis, Outcome, foresee
 from slam.types import Link, Refusal
 
+if TYPE_CHECKING:
+    from server.browse.map_view import MapView
+
 _NAMES = ("Loop/Highest_hypothesis_id/", "Loop/Highest_hypothesis_value/")
+#: Thresholds that a slider may come back to.
+_KEPT = 16
 #: A loop is true when its transform is this near to the true one.
 _TRUE_M = 0.3
 _TRUE_RAD = float(np.radians(15.0))
@@ -31,18 +36,40 @@ _SAID = Refusal(
 )
 
 
-def loop_what_if(view: MapView, threshold: float, *, with_graph: bool) -> LoopWhatIf:
-    """The loops at another threshold; those never tried are tried in the background."""
-    snapshot, params = view.snapshot(), view.snapshot().params
+class WhatIfs:
+    """What was foreseen of a map, kept while nothing that it depends on changes: the page and its 3D view ask alike."""
+
+    def __init__(self, view: MapView) -> None:
+        self._view = view
+        self._lock = threading.Lock()
+        self._known: OrderedDict[tuple[float, bool], LoopWhatIf] = OrderedDict()
+        self._basis: tuple[int, int] = (0, 0)
+
+    def at(self, threshold: float, *, with_graph: bool) -> LoopWhatIf:
+        """The loops at another threshold; those never tried are tried in the background."""
+        with self._lock:
+            snapshot = self._view.snapshot()
+            basis = (snapshot.revision, len(self._view.trials.done(snapshot.params)))
+            if basis != self._basis:
+                self._basis = basis
+                self._known.clear()
+            found = self._known.get((threshold, with_graph))
+            if found is None or found.pending:
+                found = self._known[threshold, with_graph] = _foreseen(self._view, snapshot, threshold, with_graph)
+            while len(self._known) > _KEPT:
+                self._known.popitem(last=False)
+            return found
+
+
+def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: bool) -> LoopWhatIf:
+    params = snapshot.params
     tried = {**view.trials.done(params), **{p: row.candidate for p, row in snapshot.candidates.items()}}
     held = {pair for pair in snapshot.links.keys() | tried.keys() if snapshot.history.last(pair) is not None}
     found = foresee(_hypotheses(view), snapshot.links, tried, held, threshold, params.Rtabmap.LoopThr)
     pending = view.trials.ask([one.hypothesis for one in found if one.outcome is Outcome.UNTRIED], params)
     graph, found = _graph(snapshot, found) if with_graph and not pending else (None, found)
     loops = [_loop(snapshot, one) for one in found]
-    inside = [loop for loop in loops if loop.outcome in (Outcome.STAYS, Outcome.COMES)]
-    known = [loop for loop in loops if loop.true]
-    labelled = [loop for loop in inside if loop.true is not None]
+    precision, recall = _scores(loops)
     counts = Counter(loop.outcome.value for loop in loops)
     return LoopWhatIf(
         threshold=threshold,
@@ -50,10 +77,19 @@ def loop_what_if(view: MapView, threshold: float, *, with_graph: bool) -> LoopWh
         loops=loops,
         counts={outcome.value: counts[outcome.value] for outcome in Outcome},
         pending=pending,
-        precision=sum(bool(loop.true) for loop in labelled) / len(labelled) if labelled else None,
-        recall=sum(loop in inside for loop in known) / len(known) if known else None,
+        precision=precision,
+        recall=recall,
+        ate_now_m=snapshot.ate_m,
         graph=graph,
     )
+
+
+def _scores(loops: Sequence[WhatIfLoop]) -> tuple[float | None, float | None]:
+    """Precision and recall of the loops that would be in the map, among those that have a label."""
+    inside = [loop.true for loop in loops if loop.outcome in (Outcome.STAYS, Outcome.COMES)]
+    labelled, true = [label for label in inside if label is not None], sum(bool(loop.true) for loop in loops)
+    precision = sum(labelled) / len(labelled) if labelled else None
+    return precision, sum(labelled) / true if true else None
 
 
 def _hypotheses(view: MapView) -> list[Hypothesis]:
@@ -106,7 +142,7 @@ def _true_transform(snapshot: Snapshot, link: Link) -> Pose | None:
 
 def _graph(snapshot: Snapshot, found: Sequence[Foreseen]) -> tuple[WhatIfGraph, list[Foreseen]]:
     """The graph optimised with these loops, from the poses as they are; loops that it can't live with are refused."""
-    graph, params = PoseGraph.from_reader(snapshot.reader), snapshot.params
+    graph, params = snapshot.graph.copy(), snapshot.params
     before, judged = graph.poses, list(found)
     for one in found:
         if one.outcome is Outcome.GOES and one.hypothesis.pair in graph.links:

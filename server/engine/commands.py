@@ -72,12 +72,19 @@ class SetParams:
 
 @dataclass(frozen=True, slots=True)
 class Decide:
-    """Carry out a person's decision; answered with its effect."""
+    """Carry out a person's decision; answered with its effect.
+
+    Attributes:
+        action: what to do.
+        loops: both ids of each loop to approve or reject; undo and redo name none.
+        author: who decides.
+        preview: only work out what it would do.
+    """
 
     action: Literal["approve", "reject", "undo", "redo"]
-    from_id: int
-    to_id: int
-    author: str
+    loops: tuple[tuple[int, int], ...] = ()
+    author: str = ""
+    preview: bool = False
 
 
 Command = Pause | Resume | Step | Stop | SetParams | Decide

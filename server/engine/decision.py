@@ -7,14 +7,14 @@ from slam.review import Effect, Review
 
 
 def carry_out(review: Review, command: Decide) -> Effect:
-    """Approve, reject, undo or redo.
+    """Approve, reject, undo or redo, or only work out what that would do.
 
     Raises:
         DecisionError: it is not possible on this graph.
         DatabaseError: it can't be written.
     """
-    if command.action == "approve":
-        return review.approve(command.from_id, command.to_id, command.author)
-    if command.action == "reject":
-        return review.reject(command.from_id, command.to_id, command.author)
-    return review.undo(command.author) if command.action == "undo" else review.redo(command.author)
+    if command.action == "undo":
+        return review.undo(command.author, preview=command.preview)
+    if command.action == "redo":
+        return review.redo(command.author, preview=command.preview)
+    return review.decide(command.action, command.loops, command.author, preview=command.preview)

@@ -62,6 +62,7 @@ class Editor:
         except SlamError as error:
             self._channel.refuse(request, error)
             return
-        grid.is_due = True
         self._channel.answer(request, effect)
-        self._channel.send(GraphChanged())
+        if not effect.preview:
+            grid.is_due = True
+            self._channel.send(GraphChanged())

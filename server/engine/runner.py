@@ -97,8 +97,7 @@ class Runner:
             if isinstance(command, SetParams):
                 self._set_params(slam, request, command)
             elif isinstance(command, Decide):
-                self._channel.answer(request, self._decide(slam, command))
-                self._channel.send(GraphChanged())
+                self._decide(slam, request, command)
             else:
                 self._steer(command)
                 self._progress(slam)
@@ -128,10 +127,13 @@ class Runner:
         graph = slam.graph
         return Review(graph, writer, reader, slam.params, lambda poses: frames_ate_m(slam.frames, poses, graph.links))
 
-    def _decide(self, slam: Slam, command: Decide) -> object:
+    def _decide(self, slam: Slam, request: Request, command: Decide) -> None:
         effect = carry_out(self._review, command)
-        slam.poses_changed()
-        return effect
+        if not effect.preview:
+            slam.poses_changed()
+        self._channel.answer(request, effect)
+        if not effect.preview:
+            self._channel.send(GraphChanged())
 
     def _progress(self, slam: Slam) -> None:
         self._told = time.monotonic()

@@ -15,7 +15,8 @@ router = APIRouter(prefix="/api/maps/{map}/links/{from_id}/{to_id}", tags=["link
 @router.get("")
 def get_link(view: ViewDep, from_id: NodeId, to_id: NodeId) -> LinkDetail:
     """A link or a loop that was looked at, with its evidence."""
-    return link_detail(view.snapshot(), from_id, to_id)
+    snapshot = view.snapshot()
+    return link_detail(snapshot, from_id, to_id, view.trials.done(snapshot.params))
 
 
 @router.get("/matches")

@@ -8,9 +8,8 @@ from fastapi import APIRouter, Query
 
 from server.browse.journal import journal_entry
 from server.browse.loops import loops
-from server.browse.what_if import loop_what_if
 from server.routes.access import ServicesDep, ViewDep
-from server.schemas import Decision, DecisionResult, Journal, Loops, LoopWhatIf
+from server.schemas import Decision, DecisionResult, Journal, Loops, LoopWeights, LoopWhatIf
 
 router = APIRouter(prefix="/api/maps/{map}", tags=["loops"])
 
@@ -30,7 +29,19 @@ def foresee_loops(
     graph: Annotated[bool, Query(description="Optimise the graph with these loops as well.")] = False,
 ) -> LoopWhatIf:
     """The loops that would be there with another Rtabmap/LoopThr; nothing is changed."""
-    return loop_what_if(view, loop_thr, with_graph=graph)
+    return view.what_ifs.at(loop_thr, with_graph=graph)
+
+
+@router.post("/loop-weights")
+def weigh_loops(services: ServicesDep, view: ViewDep) -> LoopWeights:
+    """Begin to work out how much GNC lets each loop count; the stream tells when it is done (``weights``)."""
+    return services.robust.start(view)
+
+
+@router.get("/loop-weights")
+def get_loop_weights(services: ServicesDep, view: ViewDep) -> LoopWeights:
+    """What GNC said last, or that it is at it."""
+    return services.robust.state(view)
 
 
 @router.get("/decisions")
@@ -41,5 +52,5 @@ def list_decisions(view: ViewDep) -> Journal:
 
 @router.post("/decisions")
 async def make_decision(services: ServicesDep, view: ViewDep, decision: Decision) -> DecisionResult:
-    """Approve or reject a loop, undo or redo the last decision; the graph is optimised anew."""
+    """Approve or reject one loop or several, undo or redo what was decided last; the graph is optimised anew."""
     return await services.decide(view, decision)

@@ -35,6 +35,9 @@ class Theme:
     loop: Rgb
     proximity: Rgb
     user: Rgb
+    coming: Rgb
+    overlay_from: Rgb
+    overlay_to: Rgb
     virtual: Rgb
     refused: Rgb
     odometry: Rgb
@@ -56,6 +59,9 @@ DARK = Theme(
     loop=(255, 82, 133),
     proximity=(255, 150, 190),
     user=(177, 140, 255),
+    coming=(94, 234, 212),
+    overlay_from=(255, 150, 60),
+    overlay_to=(70, 190, 255),
     virtual=(90, 100, 120),
     refused=(150, 158, 172),
     odometry=(84, 116, 230),
@@ -76,6 +82,9 @@ LIGHT = Theme(
     loop=(214, 30, 96),
     proximity=(236, 110, 160),
     user=(120, 80, 220),
+    coming=(0, 138, 128),
+    overlay_from=(224, 96, 0),
+    overlay_to=(0, 110, 200),
     virtual=(170, 178, 192),
     refused=(120, 128, 142),
     odometry=(60, 90, 215),

@@ -13,6 +13,7 @@ from server.scene.colours import Theme, theme
 from server.scene.floor import FloorLayer, floor_height
 from server.scene.framing import FIELD_OF_VIEW, Framing, frame
 from server.scene.frusta import FrustumLayer
+from server.scene.ghosts import GhostLayer, pairs_of
 from server.scene.highlight import Highlight
 from server.scene.landmarks import LandmarkLayer
 from server.scene.links import LinkLayer
@@ -20,11 +21,14 @@ from server.scene.measure import Measure
 from server.scene.model import ModelLayer
 from server.scene.newest import NewestLayer
 from server.scene.nodes import NodeLayer
+from server.scene.overlay import OverlayLayer
 from server.scene.paths import PathLayer
 from server.scene.placed import PlacedGraph
 from server.scene.viewer import Viewer
+from server.schemas import LoopWhatIf
 from server.schemas.scene import Scene
 from slam.geometry import Pose
+from slam.loop.foresight import Outcome
 
 #: Clouds read before the file is looked at again.
 _AT_ONCE = 4
@@ -43,6 +47,7 @@ class Picture:
     snapshot: Snapshot
     graph: PlacedGraph
     state: Scene
+    ghosts: LoopWhatIf | None = None
 
     @property
     def look(self) -> Theme:
@@ -70,6 +75,8 @@ class Painter:
         self._newest = NewestLayer(scene)
         self._landmarks = LandmarkLayer(scene)
         self._model = ModelLayer(scene)
+        self._ghosts = GhostLayer(scene)
+        self._overlay = OverlayLayer(scene)
         self._highlight = Highlight(scene)
         self._framing: Framing | None = None
         self._shown: Picture | None = None
@@ -83,18 +90,19 @@ class Painter:
         """Close the port."""
         self._viewer.stop()
 
-    def draw(self, snapshot: Snapshot, state: Scene) -> None:
-        """Show the map as it is now; clouds that are missing come with ``load_some``."""
+    def draw(self, snapshot: Snapshot, state: Scene, ghosts: LoopWhatIf | None = None) -> None:
+        """Show the map as it is now, and ghosts of what it would be; missing clouds come with ``load_some``."""
         before = self._shown
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
-        picture = Picture(snapshot, graph, state)
+        picture = Picture(snapshot, graph, state, ghosts)
         with_images = _with_images(snapshot) if state.layers.cloud else set()
         with_scans = snapshot.reader.nodes_with("scan").tolist() if state.layers.cloud else []
         grid = snapshot.reader.grid() if state.layers.grid else None
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
-            self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud)
+            overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
+            self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud and not overlaid)
             self._draw_graph(picture)
             self._highlight.draw(snapshot, graph, *_selection(state), picture.measure, picture.look)
             self._model.draw(snapshot.reader, snapshot.revision, visible=state.layers.model)
@@ -126,7 +134,9 @@ class Painter:
     def _draw_graph(self, picture: Picture) -> None:
         graph, look, layers, measure = picture.graph, picture.look, picture.state.layers, picture.measure
         self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph)
-        self._links.draw(graph, measure.node, look, visible=layers.graph)
+        going = pairs_of(picture.ghosts, Outcome.GOES)
+        self._links.draw(graph.without(going), measure.node, look, visible=layers.graph)
+        self._ghosts.draw(graph, picture.ghosts, measure, look, visible=layers.graph)
         self._paths.draw(graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth)
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
         self._landmarks.draw(picture.snapshot.poses, measure.frustum, visible=layers.graph)

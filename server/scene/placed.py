@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -96,6 +97,17 @@ class PlacedGraph:
             links=_links(snapshot, rows),
             rows=rows,
         )
+
+    def without(self, pairs: Collection[Pair]) -> PlacedGraph:
+        """The same without the links of these pairs (smaller id first)."""
+        if not pairs:
+            return self
+        gone = set(pairs)
+        kept = {
+            kind: rows[[(min(ends), max(ends)) not in gone for ends in self.ids[rows].tolist()]]
+            for kind, rows in self.links.items()
+        }
+        return replace(self, links=kept)
 
     def pair_of(self, kind: LinkKind, index: int) -> Pair:
         """Ids of both nodes of a link."""

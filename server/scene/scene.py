@@ -69,6 +69,10 @@ class MapScene:
                 state.layers = SceneLayers(**layers)
             state.colour = change.colour if change.colour is not None else state.colour
             state.dark = change.dark if change.dark is not None else state.dark
+            if "what_if" in named:
+                state.what_if = change.what_if
+            if "overlay" in named:
+                state.overlay = change.overlay
             if "selected_node" in named:
                 state.selected_node = change.selected_node
                 if change.selected_node is not None:
@@ -99,7 +103,9 @@ class MapScene:
         pose, self._pose = self._pose, None
         if self._stale.is_set():
             self._stale.clear()
-            self._painter.draw(self.view.snapshot(), self.state())
+            state = self.state()
+            ghosts = None if state.what_if is None else self.view.what_ifs.at(state.what_if, with_graph=True)
+            self._painter.draw(self.view.snapshot(), state, ghosts)
         if pose is not None:
             self._painter.move(pose)
 

@@ -1,9 +1,17 @@
 """The only shapes that the page may see; its types are generated from them."""
 
 from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RowFault, RunState, Schema, Size
-from server.schemas.decisions import Decision, DecisionAction, DecisionEffect, DecisionResult, Journal, JournalEntry
+from server.schemas.decisions import (
+    Decision,
+    DecisionAction,
+    DecisionEffect,
+    DecisionResult,
+    Journal,
+    JournalEntry,
+    RefusedDecision,
+)
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
-from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRow, Loops
+from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRival, LoopRow, Loops, LoopWeights
 from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
 from server.schemas.nodes import (
     CameraModel,
@@ -50,7 +58,9 @@ __all__ = [
     "LinkMatches",
     "LoopDoubt",
     "LoopReason",
+    "LoopRival",
     "LoopRow",
+    "LoopWeights",
     "LoopWhatIf",
     "Loops",
     "MapFacts",
@@ -70,6 +80,7 @@ __all__ = [
     "ParameterSet",
     "ParameterValue",
     "PoseList",
+    "RefusedDecision",
     "RowFault",
     "RunState",
     "Scene",

@@ -12,6 +12,8 @@ from slam.types import Tier
 PoseList = Annotated[list[float], Field(min_length=7, max_length=7)]
 TierName = Tier
 ParameterValue = bool | int | float | str
+#: Ids of two nodes.
+Pair = Annotated[list[int], Field(min_length=2, max_length=2)]
 Axes = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 

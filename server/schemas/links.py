@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
-from server.schemas.base import Axes, PoseList, Schema, Size
+from server.schemas.base import Axes, Pair, PoseList, Schema, Size
 from slam.database import LoopState
 
 
@@ -34,6 +36,15 @@ class LoopDoubt(Schema):
     """Those of them that it agrees with."""
 
 
+class LoopRival(Schema):
+    """A place elsewhere in the map that looks like the one which the loop leads to."""
+
+    node: int
+    distance_m: float
+    share: float
+    """Of the place's likelihood or posterior: near 1 it was nearly as likely."""
+
+
 class LoopRow(Schema):
     """A loop in the review queue."""
 
@@ -51,6 +62,11 @@ class LoopRow(Schema):
     doubt: LoopDoubt | None
     """None where there is no transform to judge."""
     translation_m: float | None
+    graph_distance: int
+    """Nodes from one end to the other along the path."""
+    sessions: Pair
+    """Of both ends."""
+    look_alike: LoopRival | None
     update: int
     """The node whose update looked at it."""
     reason: LoopReason | None
@@ -62,6 +78,20 @@ class Loops(Schema):
     loops: list[LoopRow]
     counts: dict[str, int]
     """By state."""
+
+
+class LoopWeights(Schema):
+    """How much graduated non-convexity (GNC) lets each loop count."""
+
+    state: Literal["none", "running", "done", "failed"]
+    message: str
+    """Why it failed."""
+    seconds: float
+    """That it took, or has taken so far."""
+    stale: bool
+    """Whether the map has changed since."""
+    weights: dict[str, float]
+    """From 0 to 1, by both ids, smaller first: ``61-147``."""
 
 
 class LinkDetail(Schema):
@@ -86,6 +116,11 @@ class LinkDetail(Schema):
     inliers: int | None
     matches: int | None
     reason: LoopReason | None
+    look_alike: LoopRival | None
+    covariance: list[list[float]] | None
+    """6x6, ordered x y z roll pitch yaw; None where nothing was measured."""
+    update: int | None
+    """The node whose update looked at it; None for links that were never a candidate."""
     explanation: str
 
 

@@ -6,10 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from server.schemas.base import Schema
+from server.schemas.base import Pair, Schema
 
 Colouring = Literal["memory", "session", "time", "weight"]
-Pair = Annotated[list[int], Field(min_length=2, max_length=2)]
+#: The measured transform of the link, or the optimised poses.
+Overlay = Literal["link", "poses"]
 
 
 class SceneLayers(Schema):
@@ -33,6 +34,10 @@ class Scene(Schema):
     dark: bool = True
     selected_node: int | None = None
     selected_link: Pair | None = None
+    what_if: float | None = None
+    """The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts."""
+    overlay: Overlay | None = None
+    """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
 
 
 class LayerChange(Schema):
@@ -55,3 +60,5 @@ class SceneChange(Schema):
     dark: bool | None = None
     selected_node: int | None = None
     selected_link: Pair | None = None
+    what_if: Annotated[float, Field(ge=0, le=1)] | None = None
+    overlay: Overlay | None = None

@@ -50,5 +50,7 @@ class LoopWhatIf(Schema):
     """Of the loops that would be in the map and have a label, the share of true ones."""
     recall: float | None
     """Of the true ones that are known, the share that would be in the map."""
+    ate_now_m: float | None
+    """Trajectory error of the map as it is."""
     graph: WhatIfGraph | None
     """None while hypotheses are being tried, or where it was not asked for."""

@@ -35,6 +35,11 @@ class DeckReader(FileReader):
         with self._deck(f"reading the hypotheses of update {update_id}") as connection:
             return update_rows.read_belief(connection, update_id) if connection else None
 
+    def beliefs(self, after: int = 0) -> dict[int, Posterior]:
+        """The same of every update after a node that had a belief, by the update's id."""
+        with self._deck("reading the hypotheses") as connection:
+            return update_rows.read_beliefs(connection, after) if connection else {}
+
     def candidates(self, after: int = 0, faults: Faults | None = None) -> list[CandidateRow]:
         """The loop closures that were looked at, after a candidate's number, ascending."""
         with self._deck("reading the candidates") as connection:

@@ -118,6 +118,16 @@ journal = Table(
     Column("max_shift_m", Float, nullable=False),
 )
 
+#: What files of earlier versions lack about an entry of the journal; ``batch`` is the first of those decided together.
+decision = Table(
+    "deck_decision",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("batch", Integer),
+    Column("ate_before", Float),
+    Column("ate_after", Float),
+)
+
 parameter_change = Table(
     "deck_parameter_change",
     metadata,

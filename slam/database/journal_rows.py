@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from sqlalchemy import Connection, insert, select
+from sqlalchemy import Connection, Select, insert, inspect, null, select
 
 from slam.database.blobs import pack_information, pack_pose, unpack_information, unpack_pose
-from slam.database.deck_tables import journal
+from slam.database.deck_tables import decision, journal
 from slam.database.faults import Faults, each_sound, link_type_of, number_of, text_of, whole_of
 from slam.database.records import JournalEntry
 from slam.errors import DatabaseError
@@ -50,13 +51,24 @@ def append_entry(connection: Connection, entry: JournalEntry) -> int:
     return int(number)
 
 
+def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> list[int]:
+    """Add entries that are one batch where they are several; their numbers. Raises like ``append_entry``."""
+    numbers = [append_entry(connection, entry) for entry in entries]
+    batch = numbers[0] if len(numbers) > 1 else None
+    rows = [
+        {"id": number, "batch": batch, "ate_before": entry.ate_before, "ate_after": entry.ate_after}
+        for number, entry in zip(numbers, entries, strict=True)
+    ]
+    connection.execute(insert(decision), rows)
+    return numbers
+
+
 def read_journal(connection: Connection, faults: Faults | None = None) -> list[JournalEntry]:
     """All entries, oldest first. An entry is undone while an entry that takes it back stands itself.
 
     Rows that make no sense go to ``faults``.
     """
-    rows = connection.execute(select(journal).order_by(journal.c.id))
-    entries = list(each_sound(journal.name, rows, _entry, faults))
+    entries = list(each_sound(journal.name, connection.execute(_all(connection)), _entry, faults))
     undone_by: dict[int, int] = {}
     for entry in reversed(entries):
         if entry.undoes is not None and entry.id not in undone_by:
@@ -69,6 +81,14 @@ def read_standing(connection: Connection, faults: Faults | None = None) -> list[
     return [
         entry for entry in read_journal(connection, faults) if entry.action in DECISIONS and entry.undone_by is None
     ]
+
+
+def _all(connection: Connection) -> Select[Any]:
+    more = [decision.c.batch, decision.c.ate_before, decision.c.ate_after]
+    if inspect(connection).has_table(decision.name):
+        joined = journal.outerjoin(decision, decision.c.id == journal.c.id)
+        return select(journal, *more).select_from(joined).order_by(journal.c.id)
+    return select(journal, *(null().label(column.name) for column in more)).order_by(journal.c.id)
 
 
 def _last_standing(connection: Connection, entry: JournalEntry) -> int:
@@ -107,6 +127,9 @@ def _entry(row: Any) -> JournalEntry:
         chi2_after=None if row.chi2_after is None else float(row.chi2_after),
         moved=whole_of(row.moved, "moved"),
         max_shift_m=number_of(row.max_shift_m, "max_shift_m"),
+        ate_before=None if row.ate_before is None else number_of(row.ate_before, "ate_before"),
+        ate_after=None if row.ate_after is None else number_of(row.ate_after, "ate_after"),
+        batch=None if row.batch is None else whole_of(row.batch, "batch"),
     )
 
 

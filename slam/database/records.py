@@ -112,6 +112,9 @@ class JournalEntry:
         chi2_after: error of the graph after.
         moved: number of poses that moved.
         max_shift_m: the farthest that one moved, metres.
+        ate_before: absolute trajectory error before, metres, None without ground truth.
+        ate_after: the same after.
+        batch: id of the first entry of those that were decided together, None for one alone; given by the file.
     """
 
     action: str
@@ -129,6 +132,9 @@ class JournalEntry:
     chi2_after: float | None = None
     moved: int = 0
     max_shift_m: float = 0.0
+    ate_before: float | None = None
+    ate_after: float | None = None
+    batch: int | None = None
 
     @property
     def pair(self) -> tuple[int, int]:

@@ -71,6 +71,23 @@ def read_belief(connection: Connection, update_id: int) -> Posterior | None:
     )
 
 
+def read_beliefs(connection: Connection, after: int) -> dict[int, Posterior]:
+    """The same for every update after a node that had one, by the update's id."""
+    columns = (hypothesis.c.update_id, hypothesis.c.place_id, hypothesis.c.likelihood, hypothesis.c.probability)
+    query = select(*columns).where(hypothesis.c.update_id > after).order_by(columns[0], columns[1])
+    values = np.array([tuple(row) for row in connection.execute(query)], dtype=np.float64).reshape(-1, 4)
+    ids, starts = np.unique(values[:, 0], return_index=True)
+    parts = np.split(values[:, 1:], starts[1:]) if len(ids) else []
+    return {int(update_id): _belief(part) for update_id, part in zip(ids, parts, strict=True)}
+
+
+def _belief(rows: NDArray[np.float64]) -> Posterior:
+    """From rows (N, 3) of place, likelihood and probability."""
+    virtual = rows[:, 0] == VIRTUAL_PLACE_ID
+    places, (nowhere,) = rows[~virtual], rows[virtual]
+    return Posterior(places[:, 0].astype(np.int32), places[:, 1], places[:, 2], float(nowhere[2]), float(nowhere[1]))
+
+
 def _insert_belief(connection: Connection, node_id: int, belief: Posterior) -> None:
     best = _best_rows(belief)
     ids, likelihood, probability = (

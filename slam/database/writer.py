@@ -176,8 +176,20 @@ class MapWriter:
         Raises:
             DatabaseError: a link to remove is not there, or one to add is, or nothing is left to take back.
         """
-        with self._transaction(f"deciding about link {entry.from_id}-{entry.to_id}") as connection:
-            return write_decision(connection, self._known, entry, add, remove, poses)
+        return self.append_decisions([entry], add=add, remove=remove, poses=poses)[0]
+
+    def append_decisions(
+        self,
+        entries: Sequence[JournalEntry],
+        *,
+        add: Sequence[Link] = (),
+        remove: Sequence[tuple[int, int]] = (),
+        poses: Mapping[int, Pose],
+    ) -> list[int]:
+        """The same for decisions that are made, and taken back, together; all of them are written or none."""
+        named = ", ".join(f"{entry.from_id}-{entry.to_id}" for entry in entries)
+        with self._transaction(f"deciding about link {named}") as connection:
+            return write_decision(connection, self._known, entries, add, remove, poses)
 
     def parameter_change(self, node_id: int, name: str, value: Value) -> None:
         """Log that a parameter has another value from node ``node_id`` on.

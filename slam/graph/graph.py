@@ -96,6 +96,14 @@ class PoseGraph:
     def __contains__(self, node_id: object) -> bool:
         return node_id in self._adjacent
 
+    def copy(self) -> Self:
+        """A graph of its own with the same nodes, links and poses; what an optimiser keeps stays here."""
+        other = type(self)()
+        other.T_odom, other.map_ids, other.poses = dict(self.T_odom), dict(self.map_ids), dict(self.poses)
+        other.links, other.constraints = dict(self.links), dict(self.constraints)
+        other._adjacent = {node_id: dict(links) for node_id, links in self._adjacent.items()}
+        return other
+
     def has(self, *node_ids: int) -> bool:
         """Whether all these nodes are in the graph."""
         return all(i in self._adjacent for i in node_ids)

@@ -95,25 +95,40 @@ class GraduatedNonConvexity:
 
     def solve(self, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
         """All links but loops are taken for true."""
-        graph, lm = factors.graph(), gtsam.LevenbergMarquardtParams()
-        lm.setMaxIterations(params.Optimizer.Iterations)
-        lm.setRelativeErrorTol(params.Optimizer.Epsilon)
         if not factors.loops:
             return LevenbergMarquardt().solve(factors, start, params)
-        options = gtsam.GncLMParams(lm)
-        options.setLossType(gtsam.GncLossType.TLS)
-        options.setKnownInliers(sorted(set(range(len(factors.factors))) - set(factors.loops)))
-        try:
-            solver = gtsam.GncLMOptimizer(graph, start, options)
-            values = gtsam.Values(solver.optimize())
-        except RuntimeError as error:
-            raise unsolvable(factors, error) from error
+        graph = factors.graph()
+        values, _ = _reweighed(factors, graph, start, params)
         before, after = (_truncated(factors, graph, at) for at in (start, values))
         if after > before * (1.0 + _STUCK):
             # Where all loops are far off, none of them is the better explanation.
             found = Solution(values, before, after, 0)
             raise no_way_down(factors, found, "Optimizer/RobustKernel DCS starts from the poses as they are")
-        return Solution(values, before, after, options.maxIterations)
+        return Solution(values, before, after, gtsam.GncLMParams().maxIterations)
+
+    def weights(self, factors: Factors, start: gtsam.Values, params: Params) -> Array:
+        """Weight (N,) in [0, 1] of each loop, in the order of ``factors.loops``; raises like ``solve``."""
+        if not factors.loops:
+            return np.zeros(0)
+        _, weights = _reweighed(factors, factors.graph(), start, params)
+        return weights[factors.loops]
+
+
+def _reweighed(
+    factors: Factors, graph: gtsam.NonlinearFactorGraph, start: gtsam.Values, params: Params
+) -> tuple[gtsam.Values, Array]:
+    """Where GNC ends, and the weight of every factor."""
+    lm = gtsam.LevenbergMarquardtParams()
+    lm.setMaxIterations(params.Optimizer.Iterations)
+    lm.setRelativeErrorTol(params.Optimizer.Epsilon)
+    options = gtsam.GncLMParams(lm)
+    options.setLossType(gtsam.GncLossType.TLS)
+    options.setKnownInliers(sorted(set(range(len(factors.factors))) - set(factors.loops)))
+    try:
+        solver = gtsam.GncLMOptimizer(graph, start, options)
+        return gtsam.Values(solver.optimize()), np.array(solver.getWeights())
+    except RuntimeError as error:
+        raise unsolvable(factors, error) from error
 
 
 def batch_solver(params: Params) -> Solver:

@@ -56,14 +56,14 @@ class File:
     def candidates(self) -> list[Row]:
         return self.rows
 
-    def append_decision(
+    def append_decisions(
         self,
-        entry: JournalEntry,
+        entries: Sequence[JournalEntry],
         *,
         add: Sequence[Link] = (),
         remove: Sequence[tuple[int, int]] = (),
         poses: Mapping[int, Pose],
-    ) -> int:
+    ) -> list[int]:
         if self.full:
             raise DatabaseError("disk full")
         for a, b in remove:
@@ -72,8 +72,10 @@ class File:
             assert link.pair not in self.links
             self.links[link.pair] = link
         self.poses = dict(poses) or self.poses
-        self.entries.append(replace(entry, id=len(self.entries) + 1))
-        return len(self.entries)
+        first = len(self.entries) + 1
+        batch = first if len(entries) > 1 else None
+        self.entries += [replace(entry, id=first + k, batch=batch) for k, entry in enumerate(entries)]
+        return list(range(first, len(self.entries) + 1))
 
 
 def opened(seed: int = 0) -> tuple[Review, File]:
@@ -212,9 +214,68 @@ def test_what_can_not_be_written_is_not_done() -> None:
     assert LOOPS[0] in review.graph.links
 
 
+def test_together_is_what_one_by_one_comes_to_and_one_undo_takes_it_back() -> None:
+    review, file = opened()
+    single, _ = opened()
+    start, chosen = state(review, file), LOOPS[:4]
+    effect = review.decide("reject", [*chosen, (3, 4), chosen[0][::-1]], "ann")
+    assert [entry.pair for entry in effect.entries] == chosen, "each once"
+    assert [(one.from_id, one.to_id) for one in effect.refused] == [(3, 4)]
+    assert "is odometry" in effect.refused[0].reason
+    assert {(entry.batch, entry.author) for entry in file.entries} == {(1, "ann")}
+    for pair in chosen:
+        last = single.reject(*pair)
+    assert np.allclose(stacked(review.graph.poses), stacked(single.graph.poses), atol=1e-4)
+    assert effect.chi2_after == pytest.approx(last.chi2_after, rel=1e-3)
+    after = state(review, file)
+    review.approve(*REFUSED)
+    review.undo()
+    assert [entry.undoes for entry in review.undo().entries] == [4, 3, 2, 1]
+    assert state(review, file) == start
+    assert [entry.pair for entry in review.redo().entries] == chosen
+    assert state(review, file) == after
+    again = Review(review.graph, file, file, PARAMS)
+    assert len(again.undo().entries) == 4, "the journal alone knows it"
+    assert set(again.graph.links) == set(start[0])
+
+
+def test_a_preview_says_what_the_decision_then_does_and_changes_nothing() -> None:
+    review, file = opened()
+    review.reject(*LOOPS[5])
+    for act in (
+        lambda preview: review.decide("reject", LOOPS[:3], preview=preview),
+        lambda preview: review.decide("approve", [REFUSED, LOOPS[5], EMPTY], preview=preview),
+        lambda preview: review.undo(preview=preview),
+        lambda preview: review.redo(preview=preview),
+    ):
+        before, written = state(review, file), len(file.entries)
+        said = act(True)
+        assert said.preview
+        assert state(review, file) == before
+        assert len(file.entries) == written
+        done = act(False)
+        assert (said.chi2_before, said.chi2_after, said.moved, said.max_shift_m, said.refused) == (
+            done.chi2_before,
+            done.chi2_after,
+            done.moved,
+            done.max_shift_m,
+            done.refused,
+        )
+
+
+def test_none_of_several_that_can_be_decided_is_refused() -> None:
+    review, file = opened()
+    with pytest.raises(DecisionError, match=r"none of these 2 loops can be rejected; the first: .*is odometry"):
+        review.decide("reject", [(3, 4), (4, 5)])
+    with pytest.raises(DecisionError, match="no loop is named"):
+        review.decide("approve", [])
+    assert not file.entries
+
+
 decisions = st.lists(
     st.tuples(
-        st.sampled_from(["approve", "reject", "undo", "redo"]), st.sampled_from([*LOOPS, REFUSED, EMPTY, (3, 4)])
+        st.sampled_from(["approve", "reject", "reject more", "undo", "redo"]),
+        st.sampled_from([*LOOPS, REFUSED, EMPTY, (3, 4)]),
     ),
     max_size=10,
 )
@@ -222,6 +283,8 @@ decisions = st.lists(
 
 def act(review: Review, action: str, pair: tuple[int, int]) -> Effect | None:
     try:
+        if action == "reject more":
+            return review.decide("reject", [pair, *LOOPS[2:5]])
         return (
             review.undo() if action == "undo" else review.redo() if action == "redo" else getattr(review, action)(*pair)
         )
@@ -243,8 +306,8 @@ def test_any_decisions_and_undoing_them_all_is_the_start_to_the_last_bit(
             assert state(review, file) == before, "a refusal changes nothing"
             assert len(file.entries) == written
         else:
-            assert file.entries[-1].id == effect.entry.id
-            assert len(file.entries) == written + 1, "nothing is silent"
+            assert file.entries[-1].id == effect.entries[-1].id
+            assert len(file.entries) == written + len(effect.entries), "nothing is silent"
     while act(review, "undo", (0, 0)) is not None:
         pass
     assert state(review, file) == start
@@ -273,7 +336,7 @@ def test_the_journal_alone_knows_what_to_undo(actions: list[tuple[str, tuple[int
         act(review, action, pair)
     again = Review(review.graph, file, file, PARAMS)
     while (a := act(again, "undo", (0, 0))) is not None:
-        assert file.entries[-1].id == a.entry.id
+        assert file.entries[-1].id == a.entries[-1].id
     assert again.graph.links == start
     assert np.allclose(stacked(again.graph.poses), stacked(opened()[0].graph.poses), atol=1e-4)
 

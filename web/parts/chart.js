@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { html } from "../html.js";
 import { color, theme } from "../theme.js";
+import { listenForDrag } from "./chart_drag.js";
 import { drawGuides } from "./chart_guides.js";
 
 /** @typedef {(number | null)[]} Column */
@@ -28,6 +29,8 @@ import { drawGuides } from "./chart_guides.js";
  * @property {boolean} [time] x is seconds, not ids
  * @property {boolean} [fromZero]
  * @property {(index: number) => void} [onPick] a click on a row
+ * @property {number | null} [dragged] height of a line that can be dragged, null while there is none
+ * @property {(value: number) => void} [onDrag]
  * @property {(index: number | null) => void} [onCursor]
  */
 
@@ -144,5 +147,6 @@ function listen(u, latest, setZoomed) {
     const dragged = Math.abs(event.clientX - pressedAt) > 3;
     if (!dragged && u.cursor.idx !== null && u.cursor.idx !== undefined) latest.current.onPick?.(u.cursor.idx);
   });
+  listenForDrag(u, latest);
   u.over.addEventListener("dblclick", () => setZoomed(false));
 }

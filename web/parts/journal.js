@@ -1,35 +1,79 @@
-// Every decision of a person on this map, newest first.
+// Every decision of a person on this map, newest first; those made together are one entry.
+import { useEffect } from "preact/hooks";
 import { h, html } from "../html.js";
 import { get } from "../api.js";
-import { lastDecision } from "../actions.js";
+import { decide, deciding, lastDecision } from "../actions.js";
+import { on } from "../events.js";
 import * as text from "../format.js";
 import { link } from "../router.js";
-import { effectParts, PAST } from "./decision_bar.js";
+import { Author } from "./author.js";
+import { Button } from "./button.js";
+import { EffectLine, effectParts, lockReason, PAST } from "./decision_bar.js";
 import { Empty, Failed, Loading } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
 
-/** @param {{map: string}} props */
-export function Journal({ map }) {
+/** @typedef {import("../store.js").Schemas["JournalEntry"]} Entry */
+
+/** Of one batch so many loops are named; the rest is behind a fold. */
+const MOST_NAMED = 4;
+
+/** @param {{map: string, quiet: boolean}} props quiet: what the last decision did is said elsewhere */
+export function Journal({ map, quiet }) {
   const { data, error, reload } = useFetched((signal) => get("/api/maps/{map}/decisions", { path: { map }, signal }), [map]);
   useChanged(lastDecision, reload, 50);
+  useEffect(() => on("decision", (_, of) => of === map && reload()), [map]);
   if (error.value) return h(Failed, { error: error.value, what: "The journal didn't arrive.", onRetry: reload });
   if (!data.value) return h(Loading, {});
-  const entries = data.value.entries.toReversed();
-  if (!entries.length) {
-    return h(Empty, { icon: "loops", title: "Nobody has decided anything on this map", children: "Approve (A) or reject (R) a loop of the queue; each decision is kept here and can be undone (U)." });
+  const batches = together(data.value.entries).toReversed();
+  return html`<div class="view-part">
+    <div class="view-tools">${h(Author, {})}<span class="grow"></span>${answer("undo", "U")}${answer("redo", "⇧U")}</div>
+    ${!quiet && h(EffectLine, {})}
+    ${batches.length
+      ? html`<ol class="journal">${batches.map((batch) => h(Batch, { key: batch[0].id, batch }))}</ol>`
+      : h(Empty, { icon: "loops", title: "Nobody has decided anything on this map", children: "Approve (A) or reject (R) a loop of the queue; each decision is kept here and can be undone (U)." })}
+  </div>`;
+}
+
+/** @param {"undo" | "redo"} action @param {string} keys */
+function answer(action, keys) {
+  const locked = lockReason();
+  const [label, hint] = action === "undo" ? ["Undo", "Take the last decision back"] : ["Redo", "Make the decision again that was undone last"];
+  return h(Button, { id: `journal-${action}`, label, keys, hint: locked ?? hint, disabled: deciding.value || locked !== null, onClick: () => void decide({ action }) });
+}
+
+/** @param {{batch: Entry[], key?: unknown}} props */
+function Batch({ batch }) {
+  const [first] = batch;
+  const undone = batch.every((entry) => entry.undone_by);
+  const [named, rest] = batch.length > MOST_NAMED + 1 ? [batch.slice(0, MOST_NAMED), batch.slice(MOST_NAMED)] : [batch, []];
+  const actions = [...new Set(batch.map(({ action }) => PAST[action] ?? action))].join(", ");
+  return html`<li class=${undone ? "undone" : ""}>
+    <div>
+      <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} loops` : ""}</b>
+      ${batch.length === 1 && name(first)}
+      <span class="quiet grow right small" title=${new Date(first.time * 1000).toLocaleString()}>${first.author} · ${text.ago(first.time)}${undone ? " · undone" : ""}</span>
+    </div>
+    ${batch.length > 1 &&
+    html`<div class="small journal-names">
+      ${named.map(name)}${rest.length > 0 && html`<details><summary>${text.whole(rest.length)} more</summary>${rest.map(name)}</details>`}
+    </div>`}
+    <div class="small journal-effect">${effectParts(first.effect)}</div>
+  </li>`;
+}
+
+/** @param {Entry} entry */
+function name({ id, from_id: from, to_id: to }) {
+  return html`<a key=${id} href=${link({ view: "loops", key: `${from}-${to}`, query: { tab: "journal" } })}>${from} → ${to}</a>`;
+}
+
+/** Entries of one batch follow each other. @param {Entry[]} entries */
+function together(entries) {
+  /** @type {Entry[][]} */
+  const batches = [];
+  for (const entry of entries) {
+    const last = batches.at(-1);
+    if (last && entry.batch !== null && last[0].batch === entry.batch) last.push(entry);
+    else batches.push([entry]);
   }
-  return html`<ol class="journal">
-    ${entries.map(
-      (entry) => html`<li key=${entry.id} class=${entry.undone_by ? "undone" : ""}>
-        <div>
-          <b>${PAST[entry.action] ?? entry.action}</b>
-          ${entry.from_id
-            ? html`<a href=${link({ view: "loops", key: `${entry.from_id}-${entry.to_id}`, query: { tab: "journal" } })}>${entry.from_id} → ${entry.to_id}</a>`
-            : null}
-          <span class="quiet grow right small">${entry.author} · ${text.ago(entry.time)}${entry.undone_by ? " · undone" : ""}</span>
-        </div>
-        <div class="small">${effectParts(entry.effect)}</div>
-      </li>`,
-    )}
-  </ol>`;
+  return batches;
 }

@@ -18,7 +18,7 @@ const LOOPS = /** @type {[string, string, string][]} */ ([
 export function Legend() {
   const now = scene.value;
   if (!now) return null;
-  const entries = [...(now.layers.graph ? graphEntries(now.colour) : []), ...pathEntries(now.layers)];
+  const entries = [...(now.layers.graph ? graphEntries(now.colour) : []), ...pathEntries(now.layers), ...ghostEntries(now)];
   if (!entries.length) return null;
   return html`<ul class="legend" aria-label="Legend">
     ${entries.map(
@@ -60,6 +60,15 @@ function rampEntries(colour) {
   return [
     { token: "low", label: colour === "time" ? "oldest" : "lightest" },
     { token: "high", label: colour === "time" ? "newest" : "heaviest" },
+  ];
+}
+
+/** @param {import("../store.js").Schemas["Scene"]} now @returns {Entry[]} */
+function ghostEntries({ layers, what_if: threshold }) {
+  if (threshold === null || !layers.graph) return [];
+  return [
+    { token: "coming", label: `at LoopThr ${text.short(threshold)}`, kind: "dash" },
+    { token: "going", label: "would go", kind: "line" },
   ];
 }
 

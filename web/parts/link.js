@@ -4,11 +4,14 @@ import { get } from "../api.js";
 import * as text from "../format.js";
 import { link as linkTo } from "../router.js";
 import { graphRevision, inForce } from "../store.js";
+import { weightOf, weights } from "../weights.js";
+import { Belief } from "./belief.js";
 import { DecisionBar } from "./decision_bar.js";
 import { Facts } from "./facts.js";
 import { LinkName } from "./link_name.js";
-import { SUSPECT, sigmaText } from "./loop_columns.js";
+import { ALIKE, SUSPECT, sigmaText } from "./loop_columns.js";
 import { MatchPicture } from "./matches.js";
+import { Overlay } from "./overlay.js";
 import { rotationText, translationText } from "./pose.js";
 import { Failed, Loading } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
@@ -46,9 +49,27 @@ export function LinkEvidence({ map, link, row, onStep, onDecided }) {
 
 /** @param {string} map @param {LinkDetail} found */
 function details(map, found) {
-  return html`${h(MatchPicture, { map, from: found.from, to: found.to })}
+  const { from, to, transform, update, posterior } = found;
+  return html`${h(MatchPicture, { map, from, to })}
+    ${h(Overlay, { from, to, measured: transform !== null })}
     ${h(Facts, { facts: facts(found) })}
-    <p class=${`why why-${tone(found)}`} id="why">${found.explanation}</p>`;
+    <p class=${`why why-${tone(found)}`} id="why">${found.explanation}</p>
+    ${update !== null && posterior !== null && h(Belief, { map, update, place: from === update ? to : from })}
+    ${found.covariance && covariance(found.covariance)}`;
+}
+
+const AXES = ["x", "y", "z", "roll", "pitch", "yaw"];
+
+/** All 36 numbers, for those who ask. @param {number[][]} rows */
+function covariance(rows) {
+  const number = (/** @type {number} */ value) => (value === 0 ? "0" : value.toExponential(1).replaceAll("-", "−"));
+  return html`<details class="fold covariance">
+    <summary>Covariance 6×6 <span class="quiet small">m², rad²</span></summary>
+    <table class="small">
+      <thead><tr><th></th>${AXES.map((axis) => html`<th key=${axis} scope="col">${axis}</th>`)}</tr></thead>
+      <tbody>${rows.map((row, i) => html`<tr key=${AXES[i]}><th scope="row">${AXES[i]}</th>${row.map((value, k) => html`<td key=${k} title=${String(value)}>${number(value)}</td>`)}</tr>`)}</tbody>
+    </table>
+  </details>`;
 }
 
 /** @param {LinkDetail} found @returns {import("./facts.js").Fact[]} */
@@ -57,7 +78,8 @@ function facts(found) {
   const node = (/** @type {number} */ id) => html`<a href=${linkTo({ view: "nodes", key: id })}>${id}</a>`;
   const loopThr = Number(inForce("Rtabmap/LoopThr") ?? NaN);
   const enough = posterior !== null && posterior >= loopThr ? "≥" : "<";
-  const { doubt, chi2_share: share } = found;
+  const weight = weightOf(found);
+  const { doubt, chi2_share: share, look_alike: alike } = found;
   return [
     ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
     ["P", posterior === null ? text.NONE : `${text.fixed(posterior)} ${enough} ${text.short(loopThr)} LoopThr`],
@@ -69,6 +91,8 @@ function facts(found) {
     ["χ²", found.chi2 === null ? text.NONE : chi2Text(found.chi2, share), "Its squared residual, and its share of the whole graph's"],
     ["Odometry", doubt?.odometry == null ? text.NONE : `${sigmaText(doubt.odometry)} σ away`, "How far odometry alone is from this transform"],
     ["Near by", doubt?.compared ? `${doubt.agreeing} of ${doubt.compared} loops agree` : text.NONE, "Loops near by, each with the odometry between"],
+    ["Look-alike", alike ? html`${node(alike.node)} <span class=${alike.share >= ALIKE ? "ink-bad strong" : ""}>${text.fixed(100 * alike.share, 0)} %</span> as likely` : text.NONE, alike ? `The place elsewhere that rivals it most, ${text.length(alike.distance_m)} away` : "No place elsewhere in the map rivals it"],
+    ...(weight === null ? [] : [/** @type {import("./facts.js").Fact} */ (["GNC", html`weight <b class=${weight < 0.5 ? "ink-bad" : ""}>${text.fixed(weight)}</b>${weights.value?.stale ? " before the last change" : ""}`, "How much graduated non-convexity lets it count"])]),
     ["Distance", transform ? `${text.length(found.translation_m)} · ${text.fixed(found.rotation_deg, 1)} °` : text.NONE],
   ];
 }

@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { cx, h, html } from "../html.js";
 import { setParameters } from "../actions.js";
+import { link } from "../router.js";
 import { Button } from "./button.js";
 import { Badge } from "./facts.js";
 import { Foresight } from "./foresight.js";
@@ -42,6 +43,7 @@ export function Parameter({ entry, live }) {
     </div>
     ${h(Control, { entry, value: shown, disabled: locked, onChange: change })}
     ${live && h(Foresight, { parameter: name, draft: Number(shown), inForce: Number(value) })}
+    ${name === "Rtabmap/LoopThr" && html`<p class="small"><a href=${link({ view: "loops", query: { tab: "what-if" } })}>What if it were another? Loops that would come and go</a></p>`}
     <p class="quiet small">${meaning} <span class="param-limits">${limits(entry)}</span></p>
   </div>`;
 }

@@ -2,6 +2,8 @@
 import { useEffect } from "preact/hooks";
 import { h, html } from "../html.js";
 import { setScene } from "../actions.js";
+import { draft } from "../draft.js";
+import * as text from "../format.js";
 import { openMapId } from "../router.js";
 import { info, scene } from "../store.js";
 import { theme } from "../theme.js";
@@ -34,6 +36,12 @@ export function SceneView() {
   </section>`;
 }
 
+/** Ghosts that somebody left, perhaps in another browser, can be put away. @param {import("../store.js").Schemas["Scene"] | null} now */
+function ghostChip(now) {
+  if (now === null || now.what_if === null || draft.value !== null) return null;
+  return h(Chip, { label: `What if ${text.short(now.what_if)} ×`, hint: "Ghosts of another LoopThr are shown; click to hide them", on: true, onChange: () => void setScene({ what_if: null }) });
+}
+
 function LayerChips() {
   const now = scene.value;
   const noTruth = info.value !== null && !info.value.has_truth;
@@ -47,6 +55,7 @@ function LayerChips() {
         onChange: (on) => void setScene({ layers: { [layer]: on } }),
       }),
     )}
+    ${ghostChip(now)}
     <label class="chip chip-select">
       Colour
       <select

@@ -2,7 +2,8 @@
 import { useEffect, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import * as text from "../format.js";
-import { go } from "../router.js";
+import { draft, tryOut } from "../draft.js";
+import { go, link } from "../router.js";
 import { columns, inForce } from "../store.js";
 import { Chart } from "./chart.js";
 import { LTM, STM, WM } from "./legend.js";
@@ -91,12 +92,14 @@ function HypothesisChart({ data, at, marks, onCursor }) {
     title: "Hypothesis",
     value: text.fixed(valueAt(data, HYPOTHESIS, at), 2),
     notes: [
-      html`<span class="ink-warn">LoopThr ${text.short(threshold)}</span>`,
+      html`<a class="ink-warn" href=${link({ view: "loops", query: { tab: "what-if" } })} title="What another threshold would mean">LoopThr ${text.short(threshold)}</a>`,
       html`<span class="ink-loop" title="Nodes at which a loop was closed">▾ ${text.whole(marks.length)}</span>`,
     ],
     lines: [{ label: "hypothesis", token: "accent", kind: "area" }],
     names: [HYPOTHESIS],
-    thresholds: [{ value: threshold, token: "warn" }],
+    thresholds: [{ value: threshold, token: "warn" }, ...(draft.value === null || draft.value === threshold ? [] : [{ value: draft.value, token: "accent" }])],
+    dragged: draft.value,
+    onDrag: tryOut,
     marks,
     stems: true,
     onCursor,
@@ -114,11 +117,13 @@ function HypothesisChart({ data, at, marks, onCursor }) {
  * @property {import("./chart.js").Threshold[]} [thresholds]
  * @property {import("./chart.js").Mark[]} marks
  * @property {boolean} [stems]
+ * @property {number | null} [dragged] a threshold that can be dragged
+ * @property {(value: number) => void} [onDrag]
  * @property {(index: number | null) => void} onCursor
  */
 
 /** @param {StripChartProps} props */
-function StripChart({ data, title, value, notes, lines, names, thresholds, marks, stems, onCursor }) {
+function StripChart({ data, title, value, notes, lines, names, thresholds, marks, stems, dragged, onDrag, onCursor }) {
   return html`<figure class="strip-chart">
     <figcaption><b>${title}</b> <output>${value}</output> ${notes}</figcaption>
     ${h(Chart, {
@@ -130,6 +135,8 @@ function StripChart({ data, title, value, notes, lines, names, thresholds, marks
       thresholds,
       marks,
       stems,
+      dragged,
+      onDrag,
       onCursor,
       onPick: (index) => go({ view: "nodes", key: data.ids[index] }),
     })}

@@ -59,7 +59,7 @@ export interface paths {
         put?: never;
         /**
          * Make Decision
-         * @description Approve or reject a loop, undo or redo the last decision; the graph is optimised anew.
+         * @description Approve or reject one loop or several, undo or redo what was decided last; the graph is optimised anew.
          */
         post: operations["make_decision"];
         delete?: never;
@@ -182,6 +182,30 @@ export interface paths {
         get: operations["get_link_matches"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/loop-weights": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Loop Weights
+         * @description What GNC said last, or that it is at it.
+         */
+        get: operations["get_loop_weights"];
+        put?: never;
+        /**
+         * Weigh Loops
+         * @description Begin to work out how much GNC lets each loop count; the stream tells when it is done (``weights``).
+         */
+        post: operations["weigh_loops"];
         delete?: never;
         options?: never;
         head?: never;
@@ -544,7 +568,7 @@ export interface components {
         };
         /**
          * Decision
-         * @description What to do about a loop; ``undo`` and ``redo`` take no ids.
+         * @description What to do about a loop, or about several together; ``undo`` and ``redo`` take no ids.
          */
         Decision: {
             /**
@@ -552,8 +576,25 @@ export interface components {
              * @enum {string}
              */
             action: "approve" | "reject" | "undo" | "redo";
+            /**
+             * Author
+             * @description Who decides, for the journal.
+             * @default
+             */
+            author: string;
             /** From */
             from?: number | null;
+            /**
+             * Loops
+             * @description Both ids of each loop, in place of ``from`` and ``to``: decided together, undone together.
+             */
+            loops?: number[][];
+            /**
+             * Preview
+             * @description Only say what it would do.
+             * @default false
+             */
+            preview: boolean;
             /** To */
             to?: number | null;
         };
@@ -577,16 +618,34 @@ export interface components {
              * @description Poses that moved by more than 1 mm or 0.05 deg.
              */
             moved: number;
+            /**
+             * Separated
+             * @description Nodes that lost their way to the oldest node of their graph; the journal does not keep it.
+             */
+            separated?: number | null;
         };
         /**
          * DecisionResult
-         * @description The decision as it was journalled, and the graph's new revision.
+         * @description The decisions as they were journalled, and the graph's new revision.
          */
         DecisionResult: {
+            /**
+             * Count
+             * @description Loops that it was about.
+             */
+            count: number;
             effect: components["schemas"]["DecisionEffect"];
+            /** @description The first of them; of a preview what would be written. */
             entry: components["schemas"]["JournalEntry"];
-            /** Revision */
-            revision: number;
+            /** Preview */
+            preview: boolean;
+            /** Refused */
+            refused: components["schemas"]["RefusedDecision"][];
+            /**
+             * Revision
+             * @description None after a preview.
+             */
+            revision: number | null;
         };
         /**
          * Effect
@@ -715,6 +774,11 @@ export interface components {
             action: string;
             /** Author */
             author: string;
+            /**
+             * Batch
+             * @description Id of the first entry of those that were decided together, and had this effect together.
+             */
+            batch: number | null;
             effect: components["schemas"]["DecisionEffect"];
             /** From Id */
             from_id: number;
@@ -812,6 +876,11 @@ export interface components {
              * @description Of the whole graph's chi2.
              */
             chi2_share: number | null;
+            /**
+             * Covariance
+             * @description 6x6, ordered x y z roll pitch yaw; None where nothing was measured.
+             */
+            covariance: number[][] | null;
             doubt: components["schemas"]["LoopDoubt"] | null;
             /** Explanation */
             explanation: string;
@@ -819,6 +888,7 @@ export interface components {
             from: number;
             /** Inliers */
             inliers: number | null;
+            look_alike: components["schemas"]["LoopRival"] | null;
             /** Matches */
             matches: number | null;
             /** Posterior */
@@ -842,6 +912,11 @@ export interface components {
             translation_m: number | null;
             /** Type */
             type: string;
+            /**
+             * Update
+             * @description The node whose update looked at it; None for links that were never a candidate.
+             */
+            update: number | null;
         };
         /**
          * LinkMatches
@@ -917,6 +992,21 @@ export interface components {
             value: number | null;
         };
         /**
+         * LoopRival
+         * @description A place elsewhere in the map that looks like the one which the loop leads to.
+         */
+        LoopRival: {
+            /** Distance M */
+            distance_m: number;
+            /** Node */
+            node: number;
+            /**
+             * Share
+             * @description Of the place's likelihood or posterior: near 1 it was nearly as likely.
+             */
+            share: number;
+        };
+        /**
          * LoopRow
          * @description A loop in the review queue.
          */
@@ -925,6 +1015,11 @@ export interface components {
             doubt: components["schemas"]["LoopDoubt"] | null;
             /** From */
             from: number;
+            /**
+             * Graph Distance
+             * @description Nodes from one end to the other along the path.
+             */
+            graph_distance: number;
             /** Inliers */
             inliers: number | null;
             /**
@@ -932,6 +1027,7 @@ export interface components {
              * @description Both ids as they are stored, ``147-61``.
              */
             key: string;
+            look_alike: components["schemas"]["LoopRival"] | null;
             /** Matches */
             matches: number | null;
             /** Posterior */
@@ -942,6 +1038,11 @@ export interface components {
              * @description None while the link isn't in the graph.
              */
             residual_sigma: number | null;
+            /**
+             * Sessions
+             * @description Of both ends.
+             */
+            sessions: number[];
             state: components["schemas"]["LoopState"];
             /** To */
             to: number;
@@ -962,10 +1063,48 @@ export interface components {
          */
         LoopState: "accepted" | "refused" | "approved" | "rejected" | "added";
         /**
+         * LoopWeights
+         * @description How much graduated non-convexity (GNC) lets each loop count.
+         */
+        LoopWeights: {
+            /**
+             * Message
+             * @description Why it failed.
+             */
+            message: string;
+            /**
+             * Seconds
+             * @description That it took, or has taken so far.
+             */
+            seconds: number;
+            /**
+             * Stale
+             * @description Whether the map has changed since.
+             */
+            stale: boolean;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "none" | "running" | "done" | "failed";
+            /**
+             * Weights
+             * @description From 0 to 1, by both ids, smaller first: ``61-147``.
+             */
+            weights: {
+                [key: string]: number;
+            };
+        };
+        /**
          * LoopWhatIf
          * @description The map's loops at another ``Rtabmap/LoopThr``, by what each update believed.
          */
         LoopWhatIf: {
+            /**
+             * Ate Now M
+             * @description Trajectory error of the map as it is.
+             */
+            ate_now_m: number | null;
             /**
              * Counts
              * @description By outcome.
@@ -1427,6 +1566,18 @@ export interface components {
             };
         };
         /**
+         * RefusedDecision
+         * @description A loop that was named and left as it is.
+         */
+        RefusedDecision: {
+            /** From */
+            from: number;
+            /** Reason */
+            reason: string;
+            /** To */
+            to: number;
+        };
+        /**
          * RowFault
          * @description A row of a map file that can't be understood; all others are shown.
          */
@@ -1457,10 +1608,20 @@ export interface components {
              */
             dark: boolean;
             layers: components["schemas"]["SceneLayers"];
+            /**
+             * Overlay
+             * @description The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds.
+             */
+            overlay?: ("link" | "poses") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /**
+             * What If
+             * @description The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts.
+             */
+            what_if?: number | null;
         };
         /**
          * SceneChange
@@ -1472,10 +1633,14 @@ export interface components {
             /** Dark */
             dark?: boolean | null;
             layers?: components["schemas"]["LayerChange"] | null;
+            /** Overlay */
+            overlay?: ("link" | "poses") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /** What If */
+            what_if?: number | null;
         };
         /**
          * SceneLayers
@@ -2397,6 +2562,142 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LinkMatches"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_loop_weights: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LoopWeights"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    weigh_loops: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LoopWeights"];
                 };
             };
             /** @description No token. */

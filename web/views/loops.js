@@ -1,13 +1,16 @@
 // The review queue: every loop that was looked at, the evidence of one, and the decisions of people.
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { h, html } from "../html.js";
+import { decide } from "../actions.js";
 import { on } from "../events.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
-import { LoopList } from "../loop_list.js";
+import { LoopList, NO_FILTER } from "../loop_list.js";
 import { go, link, openMapId, route } from "../router.js";
 import { remembered } from "../prefs.js";
 import { graphRevision, inForce } from "../store.js";
+import { BulkBar } from "../parts/bulk.js";
+import { EffectLine, lockReason } from "../parts/decision_bar.js";
 import { Journal } from "../parts/journal.js";
 import { LinkEvidence } from "../parts/link.js";
 import { LoopFilter } from "../parts/loop_filter.js";
@@ -15,17 +18,23 @@ import { loopColumns } from "../parts/loop_columns.js";
 import { Empty, Failed, Loading } from "../parts/state.js";
 import { Table } from "../parts/table.js";
 import { useChanged } from "../parts/use.js";
+import { WhatIfPanel } from "../parts/what_if.js";
 
 /** @typedef {import("../loop_list.js").LoopRow} LoopRow */
 
 const order = remembered("loop-order", "-doubt");
-const NO_FILTER = { states: /** @type {string[]} */ ([]), type: "", minInliers: 0 };
+/** @type {[string, string][]} */
+const TABS = [
+  ["", "Queue"],
+  ["what-if", "What if"],
+  ["journal", "Journal"],
+];
 
 export function Loops() {
   const map = /** @type {string} */ (openMapId.value);
   const list = useMemo(() => new LoopList(map), [map]);
   const [filter, setFilter] = useState(NO_FILTER);
-  const journal = route.value.query.get("tab") === "journal";
+  const tab = TABS.find(([name]) => name === route.value.query.get("tab"))?.[0] ?? "";
 
   useEffect(() => void list.pull(), [list]);
   useEffect(() => on("decision", (_, of) => of === map && void list.pull({ all: true })), [list]);
@@ -35,28 +44,30 @@ export function Loops() {
   const rows = list.rows({ ...filter, order: order.value });
   const key = route.value.key;
   const selected = rows.findIndex((row) => row.key === key || `${row.to}-${row.from}` === key);
-  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key });
+  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key, query: tabQuery(tab) });
   const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
-  useKeys({ j: () => step(1), k: () => step(-1) });
   const reload = () => list.pull({ all: true });
+  const answer = async (/** @type {"undo" | "redo"} */ action) => void (!lockReason() && (await decide({ action })) && reload());
+  useKeys({ j: () => step(1), k: () => step(-1), u: () => void answer("undo"), U: () => void answer("redo") });
 
   return html`<div class="view view-loops">
     <div class="view-head">
       <h2>Loop closures</h2>
       <span class="quiet grow">${list.byKey.size ? text.whole(list.byKey.size) : ""}</span>
       <nav class="tabs" aria-label="Loops">
-        <a href=${link({ view: "loops", key })} aria-current=${journal ? undefined : "true"}>Queue</a>
-        <a href=${link({ view: "loops", key, query: { tab: "journal" } })} aria-current=${journal ? "true" : undefined}>Journal</a>
+        ${TABS.map(([name, label]) => html`<a key=${name} href=${link({ view: "loops", key, query: tabQuery(name) })} aria-current=${name === tab ? "true" : undefined}>${label}</a>`)}
       </nav>
     </div>
-    ${journal ? h(Journal, { map }) : queue()}
+    ${tab === "journal" ? h(Journal, { map, quiet: Boolean(key) }) : tab === "what-if" ? h(WhatIfPanel, { map, selected: key }) : queue()}
     ${key && h(LinkEvidence, { key, map, link: key, row: rows[selected], onStep: step, onDecided: reload })}
   </div>`;
 
   function queue() {
     return html`<div class="view-part">
-      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), onChange: setFilter })}
+      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), sessions: list.sessions(), order: order.value, onChange: setFilter, onOrder: (next) => (order.value = next) })}
       <div class="view-table">${queueTable()}</div>
+      ${list.byKey.size > 0 && h(BulkBar, { rows, total: list.byKey.size, onDecided: () => void reload() })}
+      ${!key && h(EffectLine, {})}
     </div>`;
   }
 
@@ -70,7 +81,7 @@ export function Loops() {
     }
     return h(/** @type {typeof Table<LoopRow>} */ (Table), {
       label: "Loop closures",
-      columns: loopColumns(),
+      columns: loopColumns(order.value),
       total: rows.length,
       rowAt: (index) => rows[index],
       selected,
@@ -79,6 +90,11 @@ export function Loops() {
       onOrder: (next) => (order.value = next),
     });
   }
+}
+
+/** @param {string} tab @returns {Record<string, string>} */
+function tabQuery(tab) {
+  return tab ? { tab } : {};
 }
 
 function NoLoops() {

@@ -179,6 +179,7 @@ def test_a_damaged_file_gives_answers_or_one_error(tmp_path: Path) -> None:
         ("UPDATE deck_update SET tiers = 'stm'", lambda reader: reader.updates()),
         ('UPDATE deck_update SET tiers = \'{"1": "attic"}\'', lambda reader: reader.updates()),
         ("DELETE FROM deck_hypothesis WHERE place_id = -1", lambda reader: reader.hypotheses(2)),
+        ("DELETE FROM deck_hypothesis WHERE place_id = -1", lambda reader: reader.beliefs()),
         ("UPDATE deck_candidate SET type = 42", lambda reader: reader.candidates()),
         ("DROP TABLE deck_candidate", lambda reader: reader.candidates()),
     ],

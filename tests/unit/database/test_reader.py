@@ -60,6 +60,7 @@ CALLS: tuple[Callable[[MapReader], Any], ...] = (
     lambda reader: reader.memory_ids(),
     lambda reader: reader.updates(),
     lambda reader: reader.hypotheses(2),
+    lambda reader: reader.beliefs(),
     lambda reader: reader.candidates(),
     lambda reader: reader.journal(),
     lambda reader: reader.parameters(),
@@ -303,6 +304,19 @@ def test_the_best_twenty_places_are_kept(tmp_path: Path) -> None:
     assert (found.virtual_place, found.virtual_likelihood) == (belief.virtual_place, belief.virtual_likelihood)
     assert MapReader(path).updates()[0].value == belief.value
     assert MapReader(path).hypotheses(2) is None
+
+
+def test_all_beliefs_at_once_are_what_each_is(tmp_path: Path) -> None:
+    reader = MapReader(write_map(tmp_path / "map.db", 4))
+    found = reader.beliefs()
+    assert found
+    for update_id in (1, 2, 3, 4, 5):
+        alone, known = reader.hypotheses(update_id), found.get(update_id)
+        assert (alone is None) == (known is None)
+        if alone is not None and known is not None:
+            for name in ("node_ids", "likelihood", "probability", "virtual_place", "virtual_likelihood"):
+                np.testing.assert_array_equal(getattr(known, name), getattr(alone, name))
+    assert reader.beliefs(max(found)) == {}
 
 
 def test_candidates_come_with_their_evidence(tmp_path: Path) -> None:

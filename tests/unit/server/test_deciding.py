@@ -56,6 +56,26 @@ def test_reject_undo_redo_approve_and_what_the_page_sees_of_it(client: RunningAp
     assert len(MapReader(maps_folder / "loops.db").journal()) == 4
 
 
+def test_several_are_foreseen_decided_and_undone_together(client: RunningApp, maps_folder: Path) -> None:
+    path = maps_folder / "loops.db"
+    links = MapReader(path).info().links
+    body = {"action": "reject", "loops": [[11, 1], [12, 2], [4, 5]], "author": " ann "}
+    said = client.post("/api/maps/loops/decisions", json={**body, "preview": True}).json()
+    assert said["preview"] and said["revision"] is None and said["count"] == 2
+    assert [(one["from"], one["to"]) for one in said["refused"]] == [(4, 5)]
+    assert not MapReader(path).journal() and MapReader(path).info().links == links
+
+    done = client.post("/api/maps/loops/decisions", json=body).json()
+    assert done["effect"] == said["effect"] and done["effect"]["separated"] == 0
+    journal = client.get("/api/maps/loops/decisions").json()["entries"]
+    assert [(entry["batch"], entry["author"]) for entry in journal] == [(1, "ann")] * 2
+    assert journal[0]["effect"]["ate_after_m"] == done["effect"]["ate_after_m"] is not None
+    assert decide(client, "undo").json()["count"] == 2
+    assert MapReader(path).info().links == links
+    assert decide(client, "redo").json()["count"] == 2
+    assert [states(client)[key] for key in ("11-1", "12-2")] == ["rejected"] * 2
+
+
 def test_a_new_link_comes_as_an_increment(client: RunningApp) -> None:
     before = client.get("/api/maps/loops/graph").json()
     revision = decide(client, "approve", (10, 3)).json()["revision"]
@@ -78,6 +98,9 @@ def test_the_stream_tells_of_decisions(client: RunningApp) -> None:
     ("body", "status"),
     [
         ({"action": "approve"}, 422),
+        ({"action": "reject", "from": 11}, 422),
+        ({"action": "reject", "from": 11, "to": 1, "loops": [[12, 2]]}, 422),
+        ({"action": "reject", "loops": [[4, 5], [5, 6]]}, 409),
         ({"action": "burn", "from": 1, "to": 2}, 422),
         ({"action": "reject", "from": 4, "to": 5}, 409),
         ({"action": "approve", "from": 2, "to": 9}, 409),

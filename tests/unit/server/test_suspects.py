@@ -37,6 +37,8 @@ def test_planted_loops_come_first_and_say_why(start_app: StartApp, tmp_path: Pat
     found = client.get("/api/maps/planted/links/20/5").json()
     assert "Suspect: odometry alone is" in found["explanation"]
     assert "of 10 loops near by agree with it" in found["explanation"]
+    assert rows[0]["graph_distance"] == 15 and rows[0]["sessions"] == [0, 0] and rows[0]["look_alike"] is None
+    assert np.allclose(np.linalg.inv(found["covariance"]), INFORMATION)
     shares = [client.get("/api/maps/planted/links/{from}/{to}".format(**row)).json()["chi2_share"] for row in rows]
     assert 0.0 < sum(shares) < 1.0
 

@@ -53,6 +53,22 @@ def test_the_threshold_in_force_changes_nothing_and_others_do(toured: RunningApp
     assert hashlib.sha256((tmp_path / "tour.db").read_bytes()).hexdigest() == before
 
 
+def test_what_was_tried_has_evidence_and_is_foreseen_but_once(toured: RunningApp) -> None:
+    tried = [
+        one for one in foreseen(toured, 0.0)["loops"] if one["outcome"] == "refused" and one["inliers"] is not None
+    ]
+    found = toured.get(f"/api/maps/tour/links/{tried[0]['from']}/{tried[0]['to']}").json()
+    assert (found["inliers"], found["reason"]["text"]) == (tried[0]["inliers"], tried[0]["reason"])
+    assert toured.get("/api/maps/tour/what-if/loops?loop_thr=0&graph=true").json() == foreseen(toured, 0.0)
+
+
+def test_the_3d_view_is_told_what_to_show_and_lets_go_of_it(toured: RunningApp) -> None:
+    assert toured.patch("/api/scene/tour", json={"what_if": 0.5}).json()["what_if"] == 0.5
+    assert toured.patch("/api/scene/tour", json={"dark": False}).json()["what_if"] == 0.5
+    assert toured.patch("/api/scene/tour", json={"what_if": 1.5}).status_code == 422
+    assert toured.patch("/api/scene/tour", json={"what_if": None}).json()["what_if"] is None
+
+
 def test_a_map_without_hypotheses_has_nothing_to_foresee(client: RunningApp) -> None:
     found = client.get("/api/maps/loops/what-if/loops?loop_thr=0.5&graph=true").json()
     assert found["counts"]["comes"] == 0

@@ -1,0 +1,87 @@
+"""The clouds of both nodes of a link in two colours: what the link says, and what the graph made of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from server.browse.links import measured_link
+from server.browse.snapshot import Pair, Snapshot
+from server.scene.clouds import wxyz
+from server.scene.colours import Theme
+from server.scene.node_points import node_points
+from server.scene.placed import PlacedGraph
+from server.scene.tone import Rgb
+from server.schemas.scene import Overlay
+from slam.errors import SlamError
+from slam.geometry import Pose, inverse
+
+if TYPE_CHECKING:
+    from viser import PointCloudHandle, SceneApi
+
+#: Points of each of the two clouds, and their size by the distance of neighbours: one must be seen through the other.
+_POINTS = 40_000
+_POINT_SIZE = 0.45
+
+
+class OverlayLayer:
+    """Two clouds, sent once for each link; going from the link's transform to the optimised poses only moves one."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._handles: dict[int, PointCloudHandle] = {}
+        self._shown: tuple[Pair, Theme] | None = None
+
+    def draw(self, snapshot: Snapshot, graph: PlacedGraph, pair: Pair | None, how: Overlay | None, look: Theme) -> bool:
+        """Show the clouds of a link's nodes placed this way; whether there is something to show."""
+        placed = _placed(snapshot, graph, pair, how)
+        wanted = None if pair is None or placed is None else (pair, look)
+        if wanted != self._shown:
+            self._clear()
+            self._shown = wanted
+            if pair is not None and placed is not None:
+                colours = (look.overlay_from, look.overlay_to)
+                for node_id, T, rgb in zip(pair, placed, colours, strict=True):
+                    self._send(snapshot, node_id, T, rgb)
+        for node_id, T in zip(pair or (), placed or (), strict=False):
+            if node_id in self._handles:
+                self._handles[node_id].wxyz, self._handles[node_id].position = wxyz(T), T[:3, 3]
+        return bool(self._handles)
+
+    def _send(self, snapshot: Snapshot, node_id: int, T_map_base: Pose, rgb: Rgb) -> None:
+        images = {*snapshot.reader.nodes_with("image").tolist()} & {*snapshot.reader.nodes_with("depth").tolist()}
+        try:
+            usable = node_id in images and node_id in snapshot.calibrated
+            cloud = node_points(snapshot.reader, node_id, T_map_base, _POINTS, images=usable)
+        except SlamError:
+            # A node without a cloud: the other one is shown alone.
+            return
+        colours = np.tile(np.array(rgb, np.uint8), (len(cloud.points), 1))
+        self._handles[node_id] = self._scene.add_point_cloud(
+            f"/overlay/{node_id}",
+            cloud.points,
+            colours,
+            point_size=_POINT_SIZE * cloud.spacing,
+            point_shape="circle",
+            point_shading="flat",
+        )
+
+    def _clear(self) -> None:
+        for handle in self._handles.values():
+            handle.remove()
+        self._handles.clear()
+
+
+def _placed(snapshot: Snapshot, graph: PlacedGraph, pair: Pair | None, how: Overlay | None) -> tuple[Pose, Pose] | None:
+    """T_map_base of both nodes: the first where the graph has it, the other by the link or by the graph."""
+    if pair is None or how is None or not set(pair) <= graph.rows.keys():
+        return None
+    T_from, T_to = (graph.T_map[graph.rows[node_id]] for node_id in pair)
+    if how == "poses":
+        return T_from, T_to
+    link = measured_link(snapshot, (min(pair), max(pair)))
+    if link is None or link.T_from_to is None:
+        return None
+    T_from_to = link.T_from_to if link.from_id == pair[0] else inverse(link.T_from_to)
+    return T_from, np.asarray(T_from @ T_from_to)

@@ -1,0 +1,47 @@
+"""The clouds of both nodes of a link over each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from server.browse.snapshot import Snapshot
+from server.scene.clouds import wxyz
+from server.scene.colours import DARK
+from server.scene.overlay import OverlayLayer
+from server.scene.placed import PlacedGraph
+from tests.unit.server.scene.conftest import Sent
+from tests.unit.server.scene.room_map import LOOPS
+
+PAIR = max(LOOPS), LOOPS[max(LOOPS)][0]
+
+
+def handles(viewer: Any) -> list[Any]:
+    return [viewer.scene.get_handle_by_name(f"/overlay/{node_id}") for node_id in PAIR]
+
+
+def test_the_second_cloud_is_where_the_link_or_the_graph_puts_it(viewer: Any, snapshot: Snapshot, sent: Sent) -> None:
+    graph, layer = PlacedGraph.of(snapshot), OverlayLayer(viewer.scene)
+    T_from, T_to = (graph.T_map[graph.rows[node_id]] for node_id in PAIR)
+    assert layer.draw(snapshot, graph, PAIR, "poses", DARK)
+    first, second = handles(viewer)
+    np.testing.assert_allclose(second.position, T_to[:3, 3])
+    assert not np.array_equal(first.colors[0], second.colors[0])
+    sent.take()
+    assert layer.draw(snapshot, graph, PAIR, "link", DARK)
+    link = snapshot.links[min(PAIR), max(PAIR)]
+    T_link = T_from @ (link.T_from_to if link.from_id == PAIR[0] else np.linalg.inv(link.T_from_to))
+    first, second = handles(viewer)
+    np.testing.assert_allclose(second.position, T_link[:3, 3], atol=1e-9)
+    np.testing.assert_allclose(second.wxyz, wxyz(T_link), atol=1e-9)
+    np.testing.assert_allclose(first.position, T_from[:3, 3])
+    assert not any("PointCloud" in kind for kind, _ in sent.take()), "points are sent once"
+
+
+def test_without_a_link_or_a_way_nothing_is_shown(viewer: Any, snapshot: Snapshot) -> None:
+    graph, layer = PlacedGraph.of(snapshot), OverlayLayer(viewer.scene)
+    assert layer.draw(snapshot, graph, PAIR, "poses", DARK)
+    for pair, how in ((None, "poses"), (PAIR, None), ((1, 9999), "poses")):
+        assert not layer.draw(snapshot, graph, pair, how, DARK)  # type: ignore[arg-type]
+        assert handles(viewer) == [None, None]

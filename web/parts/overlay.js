@@ -1,0 +1,32 @@
+// Both clouds of a link over each other in the 3D view, as the link says or as the graph has it.
+import { useEffect } from "preact/hooks";
+import { h, html } from "../html.js";
+import { setScene } from "../actions.js";
+import { scene } from "../store.js";
+import { Chip } from "./button.js";
+
+const WAYS = /** @type {["link" | "poses", string, string][]} */ ([
+  ["link", "by the link", "The second cloud where the measured transform puts it"],
+  ["poses", "by the poses", "Both clouds where the optimised graph has their nodes"],
+]);
+
+/** @param {{from: number, to: number, measured: boolean}} props */
+export function Overlay({ from, to, measured }) {
+  const now = scene.value?.overlay ?? null;
+  useEffect(() => () => void (scene.peek()?.overlay && setScene({ overlay: null })), []);
+  return html`<div class="picture-bar overlay-bar" role="group" aria-label="Clouds in the 3D view">
+    <span class="quiet small">Clouds</span>
+    <i class="mark mark-dot scene-from" aria-hidden="true"></i><span class="small">${from}</span>
+    <i class="mark mark-dot scene-to" aria-hidden="true"></i><span class="small">${to}</span>
+    ${WAYS.map(([how, label, hint]) =>
+      h(Chip, {
+        key: how,
+        label,
+        hint: how === "link" && !measured ? "No transform was measured" : hint,
+        on: now === how,
+        disabled: how === "link" && !measured,
+        onChange: (on) => void setScene({ overlay: on ? how : null, selected_link: [from, to] }),
+      }),
+    )}
+  </div>`;
+}
