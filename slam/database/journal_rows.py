@@ -11,12 +11,16 @@ from sqlalchemy import Connection, Row, Select, insert, inspect, null, select
 
 from slam.database.blobs import pack_information, pack_pose, unpack_information, unpack_pose
 from slam.database.deck_tables import decision, journal
+from slam.database.node_change_rows import read_changes, write_change
 from slam.database.records import JournalEntry
 from slam.errors import DatabaseError
 from slam.types import Link, LinkType
 
+#: What is said of loops, and what is done to links and nodes.
+VERDICTS = ("approve", "reject", "add")
+EDITS = ("refine", "edit", "reset", "cut", "bridge", "drop", "label")
 #: Decisions, and the actions that take one of them (or an undo) back.
-DECISIONS = ("approve", "reject", "add")
+DECISIONS = (*VERDICTS, *EDITS)
 _TAKES_BACK = {"undo": DECISIONS, "redo": ("undo",)}
 
 
@@ -27,7 +31,7 @@ def append_entry(connection: Connection, entry: JournalEntry) -> int:
         DatabaseError: the action is unknown, or there is nothing to take back.
     """
     if entry.action not in (*DECISIONS, *_TAKES_BACK):
-        raise DatabaseError(f"decision {entry.action!r} is unknown: approve, reject, add, undo and redo are known")
+        raise DatabaseError(f"decision {entry.action!r} is unknown: {', '.join((*DECISIONS, *_TAKES_BACK))} are known")
     undoes = entry.undoes
     if entry.action in _TAKES_BACK and undoes is None:
         undoes = _last_standing(connection, entry)
@@ -59,12 +63,16 @@ def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> 
         for number, entry in zip(numbers, entries, strict=True)
     ]
     connection.execute(insert(decision), rows)
+    for number, entry in zip(numbers, entries, strict=True):
+        if entry.node is not None:
+            write_change(connection, number, entry.node)
     return numbers
 
 
 def read_journal(connection: Connection) -> list[JournalEntry]:
     """All entries, oldest first. An entry is undone while an entry that takes it back stands itself."""
-    entries = [_entry(row) for row in connection.execute(_all(connection))]
+    changes = read_changes(connection)
+    entries = [replace(_entry(row), node=changes.get(row.id)) for row in connection.execute(_all(connection))]
     undone_by: dict[int, int] = {}
     for entry in reversed(entries):
         if entry.undoes is not None and entry.id not in undone_by:
@@ -73,8 +81,8 @@ def read_journal(connection: Connection) -> list[JournalEntry]:
 
 
 def read_standing(connection: Connection) -> list[JournalEntry]:
-    """The decisions that stand, oldest first: neither undone nor entries that undo."""
-    return [entry for entry in read_journal(connection) if entry.action in DECISIONS and entry.undone_by is None]
+    """The verdicts that stand, oldest first: neither undone nor entries that undo."""
+    return [entry for entry in read_journal(connection) if entry.action in VERDICTS and entry.undone_by is None]
 
 
 def _all(connection: Connection) -> Select[Any]:

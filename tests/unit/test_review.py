@@ -63,6 +63,7 @@ class File:
         add: Sequence[Link] = (),
         remove: Sequence[tuple[int, int]] = (),
         poses: Mapping[int, Pose],
+        candidates: Sequence[Candidate] = (),
     ) -> list[int]:
         if self.full:
             raise DatabaseError("disk full")
