@@ -186,6 +186,10 @@ class Review:
             raise DecisionError("nothing to change: no link and no node is named")
         return self._carry_out(entries, preview=preview, candidates=candidates)
 
+    def keep(self, candidates: Sequence[Candidate]) -> None:
+        """Keep loops that were looked at and changed nothing."""
+        self._writer.append_decisions((), poses={}, candidates=candidates)
+
     def original(self, pair: tuple[int, int]) -> Link | None:
         """The link of a pair (smaller id first) before people edited it; None where they did not."""
         return self._history.original(pair)

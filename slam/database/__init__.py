@@ -2,7 +2,7 @@
 
 from slam.database.deck_values import CandidateRow, LoopState, ParameterChange, UpdateRow
 from slam.database.reader import MapReader
-from slam.database.records import JournalEntry, NodeRecord, Reduction, WordRows
+from slam.database.records import JournalEntry, NodeChange, NodeRecord, Reduction, WordRows
 from slam.database.removal import remove_map
 from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
 from slam.database.writer import MapWriter
@@ -14,6 +14,7 @@ __all__ = [
     "MapInfo",
     "MapReader",
     "MapWriter",
+    "NodeChange",
     "NodeRecord",
     "NodeRow",
     "NodeTable",

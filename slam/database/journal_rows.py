@@ -56,6 +56,8 @@ def append_entry(connection: Connection, entry: JournalEntry) -> int:
 
 def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> list[int]:
     """Add entries that are one batch where they are several; their numbers. Raises like ``append_entry``."""
+    if not entries:
+        return []
     numbers = [append_entry(connection, entry) for entry in entries]
     batch = numbers[0] if len(numbers) > 1 else None
     rows = [
