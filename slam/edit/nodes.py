@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 from slam.database import JournalEntry, MapReader, NodeChange
 from slam.errors import DecisionError
@@ -45,16 +46,17 @@ def bridged(graph: PoseGraph, gone: Sequence[int]) -> dict[Pair, Link]:
             steps.setdefault(link.from_id, {})[link.to_id] = link
             steps.setdefault(link.to_id, {})[link.from_id] = link
     made: dict[Pair, Link] = {}
+    left = set(gone)
     for middle in gone:
         around = steps.pop(middle, {})
         for other in around:
             steps[other].pop(middle, None)
         ends = sorted(around)
-        for old, new in zip(ends, ends[1:], strict=False):
-            if (old, new) not in graph.links and new not in steps[old]:
+        for old, new in pairwise(ends):
+            stay = old not in left and new not in left
+            if new not in steps[old] and not (stay and (old, new) in graph.links):
                 link = composed(around[new], around[old], new, middle, old, LinkType.NEIGHBOR_MERGED)
                 steps[old][new] = steps[new][old] = made[old, new] = link
-    left = set(gone)
     return {pair: link for pair, link in made.items() if not set(pair) & left}
 
 

@@ -118,4 +118,4 @@ class StoredViews:
 
 def _share(depth: NDArray[np.float32], camera: Camera) -> int:
     """Columns of the first camera: images of several have one tile for each, depth may be smaller than colour."""
-    return round(depth.shape[0] * camera.width / camera.height) if camera.height else depth.shape[1]
+    return round(float(depth.shape[0]) * camera.width / camera.height) if camera.height else int(depth.shape[1])

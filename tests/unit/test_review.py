@@ -67,6 +67,7 @@ class File:
     ) -> list[int]:
         if self.full:
             raise DatabaseError("disk full")
+        self.rows += [Row(item) for item in candidates]
         for a, b in remove:
             del self.links[min(a, b), max(a, b)]
         for link in add:

@@ -64,9 +64,8 @@ def test_dropping_keeps_the_neighbours_where_they_are_to_each_other_and_undo_bri
     done = review.change(dropping(review.graph, reader, [10, 11, 12], "ann"))
     assert {10, 11, 12}.isdisjoint(review.graph.poses)
     assert done.separated == 0
-    assert np.allclose(between(review.graph.poses[9], review.graph.poses[13]), before, atol=0.01), (
-        "within one sigma of a step"
-    )
+    # Within one sigma of a step.
+    assert np.allclose(between(review.graph.poses[9], review.graph.poses[13]), before, atol=0.01)
     same_file(review, reader)
     assert reader.info().nodes == NODES - 3 and reader.info().dropped == 3
     batch = {entry.batch for entry in reader.journal()}
