@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.database import JournalEntry
 from slam.edit.job import Job, JobStep
-from slam.edit.matching import Guess, Matching, Method, information_of, matched
+from slam.edit.matching import information_of, matched
 from slam.edit.scratch import scratch
 from slam.edit.views import StoredViews
+from slam.edit.wishes import Detection, Matching
 from slam.errors import DatabaseError, DecisionError
 from slam.graph.components import components
 from slam.graph.graph import Pair, PoseGraph
@@ -20,33 +21,6 @@ from slam.loop.closing import close
 from slam.params import Params
 from slam.review import Review
 from slam.types import Candidate, LinkType, Refusal
-
-
-@dataclass(frozen=True, slots=True)
-class Detection:
-    """What is looked for.
-
-    Attributes:
-        radius_m: largest distance of two nodes.
-        min_radius_m: smallest distance of two nodes.
-        angle_deg: largest angle between their forward axes.
-        iterations: rounds; after each the poses are those of the graph with what was found.
-        min_graph_distance: fewest links between two nodes of one session.
-        intra: pairs of one session.
-        inter: pairs of two sessions.
-        method: of the registration.
-        guess: where it begins.
-    """
-
-    radius_m: float = 1.0
-    min_radius_m: float = 0.0
-    angle_deg: float = 30.0
-    iterations: int = 5
-    min_graph_distance: int = 10
-    intra: bool = True
-    inter: bool = True
-    method: Method = "visual"
-    guess: Guess = "none"
 
 
 def detect_more(review: Review, views: StoredViews, wanted: Detection, author: str = "") -> Job:

@@ -2,71 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 
 from slam.database import JournalEntry, MapReader
-from slam.edit.matching import Matching, around, information_of, matched
+from slam.edit.matching import around, information_of, matched
 from slam.edit.objection import objection
-from slam.edit.point_pairs import Fitted, PixelPair, fitted, lifted
+from slam.edit.point_pairs import Fitted, fitted, lifted
 from slam.edit.views import StoredViews
+from slam.edit.wishes import LinkEdit, Outcome, PixelPair
 from slam.errors import DecisionError
-from slam.geometry import Array, Pose, inverse
+from slam.geometry import inverse
 from slam.graph.graph import PoseGraph, name
-from slam.review import Effect, Review
+from slam.review import Review
 from slam.types import UNKNOWN_VARIANCE, Link, LinkType, Refusal, Registration
-
-LinkAction = Literal["add", "points", "refine", "edit", "reset"]
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class LinkEdit:
-    """What somebody wants of a link.
-
-    Attributes:
-        action: ``add`` by registration, add by picked ``points``, ``refine`` by registration around what the link says,
-            ``edit`` (or add) with numbers that were typed, ``reset`` to what it was before anybody edited it.
-        from_id: one of both nodes.
-        to_id: the other one.
-        how: of the registration.
-        pairs: picked points of both images.
-        T_from_to: (4, 4) that was typed.
-        sigmas: (6,) x y z in metres, roll pitch yaw in radians; 0 means that nothing is known of the axis.
-        author: who wants it.
-        force: do it although the graph or the points object.
-    """
-
-    action: LinkAction
-    from_id: int
-    to_id: int
-    how: Matching = field(default_factory=Matching)
-    pairs: Sequence[PixelPair] = ()
-    T_from_to: Pose | None = None
-    sigmas: Array | None = None
-    author: str = ""
-    force: bool = False
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
-    """What came of it, or would.
-
-    Attributes:
-        link: as it is, or would be; None where nothing was found.
-        registration: evidence of the images or clouds, where they were asked.
-        residuals_m: of picked points (N,), where there were some.
-        refusal: the test that speaks against it.
-        effect: on the map; None where there is no link.
-    """
-
-    link: Link | None = None
-    registration: Registration | None = None
-    residuals_m: Array | None = None
-    refusal: Refusal | None = None
-    effect: Effect | None = None
 
 
 class LinkEditor:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
-
 import numpy as np
 
 from slam.edit.views import StoredViews
+from slam.edit.wishes import Matching, Method
 from slam.errors import DecisionError
 from slam.geometry import Array, Pose, between
 from slam.graph.graph import PoseGraph
@@ -17,19 +15,6 @@ from slam.registration.icp import IcpRegistration
 from slam.registration.view import Registrar
 from slam.registration.visual import VisualRegistration
 from slam.types import Registration
-
-#: By images, by clouds, or by images and from there by clouds.
-Method = Literal["visual", "icp", "both"]
-#: Where the search begins: at the optimised poses, or without any idea (clouds: at the same pose).
-Guess = Literal["graph", "none"]
-
-
-@dataclass(frozen=True, slots=True)
-class Matching:
-    """How two nodes are registered."""
-
-    method: Method = "visual"
-    guess: Guess = "graph"
 
 
 def registrar_of(method: Method) -> Registrar:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
+from slam.edit.wishes import PixelPair
 from slam.errors import DecisionError
 from slam.geometry import Array, Pose, hat, make, normalized, transform
 from slam.registration.rigid import fit
@@ -20,15 +21,6 @@ _FLOOR_M = 0.01
 _LEAST_SPREAD_M = 0.03
 #: Half the side of the square, in pixels of the depth image, in which depth is looked for.
 _REACH = 2
-
-
-class PixelPair(NamedTuple):
-    """The same point in two images: x and y in pixels of each."""
-
-    x_from: float
-    y_from: float
-    x_to: float
-    y_to: float
 
 
 class DepthReader(Protocol):

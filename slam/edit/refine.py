@@ -3,40 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from slam.database import JournalEntry
 from slam.edit.job import Job, JobStep
-from slam.edit.matching import Method, around, information_of
+from slam.edit.matching import around, information_of
 from slam.edit.objection import tried
 from slam.edit.views import StoredViews
+from slam.edit.wishes import Refinement
 from slam.errors import DatabaseError, DecisionError, OptimizationError
 from slam.graph.graph import Pair, PoseGraph, name
 from slam.review import Review
-from slam.types import Link, LinkType
-
-
-@dataclass(frozen=True, slots=True)
-class Refinement:
-    """Which links, and how.
-
-    Attributes:
-        types: kinds of links; none for all.
-        first: smallest id of a node, both ends; 0 for no limit.
-        last: largest id of a node, both ends; 0 for no limit.
-        intra: links within one session.
-        inter: links between two sessions.
-        method: of the registration, which begins at what the link says.
-        covariance_only: transforms stay.
-    """
-
-    types: tuple[LinkType, ...] = ()
-    first: int = 0
-    last: int = 0
-    intra: bool = True
-    inter: bool = True
-    method: Method = "visual"
-    covariance_only: bool = False
+from slam.types import Link
 
 
 def refine_links(review: Review, views: StoredViews, wanted: Refinement, author: str = "") -> Job:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from slam.camera import Camera
-from slam.edit.point_pairs import PixelPair, fitted, lifted
+from slam.edit.point_pairs import fitted, lifted
+from slam.edit.wishes import PixelPair
 from slam.errors import DecisionError
 from slam.geometry import se3_exp, transform
 

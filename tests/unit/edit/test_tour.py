@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 
 from slam.database import MapReader, MapWriter
-from slam.edit.detect import Detection, close_pairs, detect_more
+from slam.edit.detect import close_pairs, detect_more
 from slam.edit.job import Job, JobStep
-from slam.edit.links import LinkEdit, LinkEditor
-from slam.edit.matching import Matching
-from slam.edit.point_pairs import PixelPair
-from slam.edit.refine import Refinement, refine_links
+from slam.edit.links import LinkEditor
+from slam.edit.refine import refine_links
+from slam.edit.wishes import Detection, LinkEdit, Matching, PixelPair, Refinement
 from slam.errors import DecisionError
 from slam.geometry import Pose, between, inverse, rotation_angle, se3_exp, transform, translation_norm
 from slam.graph import PoseGraph
