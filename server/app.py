@@ -17,14 +17,27 @@ from server.engine.commands import RunJob
 from server.engine.events import Event
 from server.engine.nursery import warm_up
 from server.error_responses import ERRORS, install_handlers
-from server.routes import events, exports, graph, links, loops, maps, nodes, parameters, scene, session, statistics
+from server.routes import (
+    edits,
+    events,
+    exports,
+    graph,
+    links,
+    loops,
+    maps,
+    nodes,
+    parameters,
+    scene,
+    session,
+    statistics,
+)
 from server.security.guard import Guard
 from server.services import Services
 from server.settings import Settings
 from server.static import Page
 from slam.errors import SlamError
 
-_ROUTES = (maps, graph, nodes, links, loops, statistics, parameters, session, scene, exports)
+_ROUTES = (maps, graph, edits, nodes, links, loops, statistics, parameters, session, scene, exports)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,23 +5,40 @@ from __future__ import annotations
 import os
 import threading
 from collections import OrderedDict
+from typing import Any
 
+from server.browse.edits import edit_result, wanted_edit
 from server.browse.journal import decision_result
 from server.browse.map_view import MapView
 from server.catalog import Catalog
 from server.editors import Editors
-from server.engine.commands import Decide, RunJob
-from server.engine.events import Event, GraphChanged, Moved, NodeAdded
-from server.errors import EngineError
+from server.engine.commands import CancelJob, Command, Decide, DropNodes, EditLink, LabelNode, RunJob
+from server.engine.events import Ended, Event, GraphChanged, JobTold, Moved, NodeAdded
+from server.errors import EngineError, NotFoundError
 from server.hub import Hub
+from server.jobs import Jobs
 from server.robust import RobustWeights
 from server.runs import checked_source
 from server.scene.scenes import Scenes
-from server.schemas import Decision, DecisionResult, Session, StartRun
+from server.schemas import (
+    Decision,
+    DecisionResult,
+    Job,
+    JobStatus,
+    LinkEdit,
+    LinkEditResult,
+    NodeDrop,
+    NodeLabel,
+    Session,
+    StartJob,
+    StartRun,
+)
 from server.session import RunSession
 from server.settings import Settings
 from server.updates import update_message
 from slam.database.file_check import is_writable
+from slam.errors import SlamError
+from slam.review import Effect
 
 _OPEN_MAPS = 8
 
@@ -35,6 +52,7 @@ class Services:
         self.catalog = Catalog(settings.roots)
         self.session = RunSession(self.hub, self._heard)
         self.editors = Editors(self._heard)
+        self.jobs = Jobs(self.hub)
         self.scenes = Scenes(self.hub)
         self.robust = RobustWeights(self.hub)
         self._views: OrderedDict[tuple[str, int], MapView] = OrderedDict()
@@ -74,15 +92,58 @@ class Services:
 
     async def decide(self, view: MapView, decision: Decision) -> DecisionResult:
         """Carry out a decision in the process that may write the map."""
-        command = Decide(decision.action, decision.pairs, decision.author.strip() or "page", decision.preview)
+        command = Decide(decision.action, decision.pairs, _author(decision.author), decision.preview)
+        return self._decided(view, await self._ask(view, command))
+
+    async def edit_link(self, view: MapView, edit: LinkEdit) -> LinkEditResult:
+        """Add, refine, edit or reset a link, or say what that would do."""
+        outcome = await self._ask(view, EditLink(wanted_edit(edit, _author(edit.author)), edit.preview))
+        if edit.preview or outcome.effect is None:
+            return edit_result(outcome, None)
+        return edit_result(outcome, self._decided(view, outcome.effect).revision)
+
+    async def drop_nodes(self, view: MapView, drop: NodeDrop) -> DecisionResult:
+        """Take nodes out of the map, or say what that would do."""
+        ids = drop.nodes
+        if drop.first is not None and drop.last is not None:
+            ids = [i for i in view.snapshot().rows if drop.first <= i <= drop.last]
+            if not ids:
+                raise NotFoundError(f"the map has no node from {drop.first} to {drop.last}")
+        command = DropNodes(tuple(ids), _author(drop.author), drop.preview)
+        return self._decided(view, await self._ask(view, command))
+
+    async def label_node(self, view: MapView, node_id: int, label: NodeLabel) -> DecisionResult:
+        """Give a node a label, or take it away."""
+        return self._decided(view, await self._ask(view, LabelNode(node_id, label.label, _author(label.author))))
+
+    async def start_job(self, view: MapView, body: StartJob) -> Job:
+        """Begin long work on a map."""
+        command = self.jobs.command(body, _author(body.author))
+        job = self.jobs.begun(view.file.id, command)
+        try:
+            await self._ask(view, command)
+        except SlamError as error:
+            self.jobs.refused(view.file.id, command, error)
+            raise
+        return self.jobs.of(view.file.id) or job
+
+    async def cancel_job(self, view: MapView) -> JobStatus:
+        """Stop the work on a map."""
+        await self._ask(view, CancelJob(self.jobs.running(view.file.id).id))
+        return JobStatus(job=self.jobs.of(view.file.id))
+
+    async def _ask(self, view: MapView, command: Command) -> Any:
+        """Ask the process that may write a map."""
         if self.session.live_map == view.file.id:
-            effect = await self.session.request(view.file.id, command)
-        else:
-            if not self.is_writable(view):
-                raise EngineError(
-                    f"{view.file.name} can't be changed: the file and its folder must be writable, and of 0.18 or later"
-                )
-            effect = await self.editors.request(view.file, command)
+            return await self.session.request(view.file.id, command)
+        if not self.is_writable(view):
+            raise EngineError(
+                f"{view.file.name} can't be changed: the file and its folder must be writable, and of 0.18 or later"
+            )
+        return await self.editors.request(view.file, command)
+
+    def _decided(self, view: MapView, effect: Effect) -> DecisionResult:
+        """What a decision did; everybody is told."""
         if effect.preview:
             return decision_result(effect, None)
         result = decision_result(effect, self._graph_changed(view.file.id))
@@ -103,6 +164,11 @@ class Services:
             self._graph_changed(map_id)
         elif isinstance(event, GraphChanged):
             self._graph_changed(map_id)
+        elif isinstance(event, JobTold | Ended):
+            self.jobs.heard(map_id, event)
+            if isinstance(event, JobTold) and event.effect is not None:
+                result = decision_result(event.effect, None)
+                self.hub.publish("decision", map_id, result.model_dump(by_alias=True))
         elif isinstance(event, Moved):
             self.scenes.move(map_id, event.T_map_base)
 
@@ -114,3 +180,7 @@ class Services:
         self.hub.publish("graph", map_id, {"revision": revision})
         self.scenes.refresh(map_id)
         return revision
+
+
+def _author(name: str) -> str:
+    return name.strip() or "page"

@@ -193,6 +193,12 @@ def to_quat_xyzw(R: Array) -> Array:
     return np.asarray(-quat if quat[3] < 0 else quat)
 
 
+def from_euler_rpy(rpy: Array, t_a_b: Array) -> Pose:
+    """Pose from roll, pitch, yaw (3,) in radians, R = Rz(yaw) Ry(pitch) Rx(roll), and a translation (3,) in metres."""
+    roll, pitch, yaw = (so3_exp(angle * axis) for angle, axis in zip(rpy, np.eye(3), strict=True))
+    return make(yaw @ pitch @ roll, np.asarray(t_a_b, dtype=np.float64))
+
+
 def to_euler_rpy(R: Array) -> Array:
     """Roll, pitch, yaw in radians (R = Rz(yaw) Ry(pitch) Rx(roll)) of a rotation (3, 3) or a pose (4, 4)."""
     roll = np.arctan2(R[2, 1], R[2, 2])

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
 
+from slam.database.journal_rows import EDITS, VERDICTS
 from slam.database.records import JournalEntry
 from slam.errors import DecisionError
 from slam.graph.shift import Snapshot
+from slam.types import Link
 
 #: Decisions whose poses are kept in memory, so that undo and redo are exact; after older ones poses are optimised anew.
 EXACT_STEPS = 100
@@ -51,8 +53,21 @@ class History:
             self._push(self._standing, Step(entry, 0, after, before))
 
     def last(self, pair: tuple[int, int]) -> JournalEntry | None:
-        """The last decision about a pair (smaller id first) that stands."""
-        return next((step.entry for step in reversed(self._standing) if step.entry.pair == pair), None)
+        """The last verdict about a pair (smaller id first) that stands."""
+        return next((entry for entry in self._about(pair) if entry.action in VERDICTS), None)
+
+    def original(self, pair: tuple[int, int]) -> Link | None:
+        """The link of a pair (smaller id first) before people edited it; None where they did not."""
+        before = None
+        for entry in self._about(pair):
+            if entry.link_before is None or entry.link_after is None:
+                break
+            if entry.action in EDITS:
+                before = entry.link_before
+        return before
+
+    def _about(self, pair: tuple[int, int]) -> Iterator[JournalEntry]:
+        return (step.entry for step in reversed(self._standing) if step.entry.pair == pair)
 
     def to_undo(self) -> list[Step]:
         """The last decision that stands, and those made together with it, the last first.

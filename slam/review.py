@@ -1,4 +1,4 @@
-"""People's decisions about loops: approve, reject, undo and redo, each with what it did to the map."""
+"""People's decisions about a map: verdicts on loops, edits, undo and redo, each with what it did to the map."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+import numpy as np
+
 from slam.database.records import JournalEntry
 from slam.errors import DecisionError, OptimizationError
 from slam.geometry import Pose
-from slam.graph.exchange import exchanged
+from slam.graph.exchange import GraphNode, exchanged
 from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import chi2
 from slam.graph.shift import Shift, Snapshot
@@ -22,6 +24,8 @@ from slam.verdicts import Rows, Verdict, approval, ordered, redoing, rejection, 
 
 #: Poses (id -> T_map_base) -> absolute trajectory error in metres, None without ground truth.
 Ate = Callable[[Mapping[int, Pose]], float | None]
+#: Of many decisions that are made together so many are named.
+_NAMED = 5
 _DONE = {"approve": "approved", "reject": "rejected"}
 
 
@@ -56,6 +60,7 @@ class DecisionWriter(Protocol):
         add: Sequence[Link] = (),
         remove: Sequence[tuple[int, int]] = (),
         poses: Mapping[int, Pose],
+        candidates: Sequence[Candidate] = (),
     ) -> list[int]:
         """Write journal, links and optimised poses in one transaction; returns the entries' numbers."""
         ...
@@ -163,6 +168,32 @@ class Review:
             raise DecisionError(_nothing(action, refused))
         return self._carry_out(entries, refused=tuple(refused), preview=preview)
 
+    def change(
+        self, entries: Sequence[JournalEntry], *, candidates: Sequence[Candidate] = (), preview: bool = False
+    ) -> Effect:
+        """Carry out edits of links and nodes together: one optimisation, one transaction, one undo.
+
+        Args:
+            entries: what is to be done; numbers, time and effect are filled in.
+            candidates: loops that were looked at for them, to be kept with the others.
+            preview: only work out what it would do.
+
+        Raises:
+            DecisionError: it is not possible on this graph.
+            DatabaseError: it can't be written.
+        """
+        if not entries:
+            raise DecisionError("nothing to change: no link and no node is named")
+        return self._carry_out(entries, preview=preview, candidates=candidates)
+
+    def keep(self, candidates: Sequence[Candidate]) -> None:
+        """Keep loops that were looked at and changed nothing."""
+        self._writer.append_decisions((), poses={}, candidates=candidates)
+
+    def original(self, pair: tuple[int, int]) -> Link | None:
+        """The link of a pair (smaller id first) before people edited it; None where they did not."""
+        return self._history.original(pair)
+
     def undo(self, author: str = "", *, preview: bool = False) -> Effect:
         """Take back the last decision that stands, to the last bit where the map hasn't changed since.
 
@@ -190,6 +221,7 @@ class Review:
         refused: tuple[Unsaid, ...] = (),
         *,
         preview: bool = False,
+        candidates: Sequence[Candidate] = (),
     ) -> Effect:
         """Change graph, file and history, all or none; a preview changes none of them."""
         poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
@@ -201,9 +233,9 @@ class Review:
                 effect = _effect(was, now, Shift.between(poses, self.graph.poses), separated, refused, preview=preview)
                 entries = [_with_effect(entry, effect) for entry in entries]
                 if not preview:
-                    entries = self._write(entries)
+                    entries = self._write(entries, candidates)
         except OptimizationError as error:
-            what = f"{entries[0].action} {', '.join(f'{e.from_id}->{e.to_id}' for e in entries)}"
+            what = f"{entries[0].action} {_named(entries)}"
             raise DecisionError(f"{what} is not possible: {error}") from error
         if not preview:
             after = Snapshot.of(self.graph.poses)
@@ -214,16 +246,17 @@ class Review:
     def _change(
         self, entries: Sequence[JournalEntry], there: Snapshot | None, *, keep: bool
     ) -> AbstractContextManager[int]:
-        add, remove = _links(entries)
-        if not add and not remove:
+        (add, remove), (restore, drop) = _links(entries), _nodes(entries)
+        if not (add or remove or restore or drop):
             return nullcontext(0)
-        return exchanged(self.graph, [link.pair for link in remove], add, self.params, there, keep=keep)
+        pairs = [link.pair for link in remove]
+        return exchanged(self.graph, pairs, add, self.params, there, keep=keep, drop=drop, restore=restore)
 
-    def _write(self, entries: Sequence[JournalEntry]) -> list[JournalEntry]:
-        add, remove = _links(entries)
+    def _write(self, entries: Sequence[JournalEntry], candidates: Sequence[Candidate]) -> list[JournalEntry]:
+        (add, remove), (restore, drop) = _links(entries), _nodes(entries)
         gone = [(link.from_id, link.to_id) for link in remove]
-        poses = self.graph.poses if add or remove else {}
-        numbers = self._writer.append_decisions(entries, add=add, remove=gone, poses=poses)
+        poses = self.graph.poses if add or remove or restore or drop else {}
+        numbers = self._writer.append_decisions(entries, add=add, remove=gone, poses=poses, candidates=candidates)
         batch = numbers[0] if len(numbers) > 1 else None
         return [replace(entry, id=k, batch=batch) for entry, k in zip(entries, numbers, strict=True)]
 
@@ -250,8 +283,30 @@ def _nothing(action: Verdict, refused: Sequence[Unsaid]) -> str:
 
 def _links(entries: Sequence[JournalEntry]) -> tuple[list[Link], list[Link]]:
     """Links that these entries put into the graph, and those that they take out."""
-    changes = [(e.link_before, e.link_after) for e in entries if (e.link_before is None) != (e.link_after is None)]
+    changes = [(e.link_before, e.link_after) for e in entries if not _same(e.link_before, e.link_after)]
     return [after for _, after in changes if after], [before for before, _ in changes if before]
+
+
+def _same(a: Link | None, b: Link | None) -> bool:
+    if a is None or b is None or a.T_from_to is None or b.T_from_to is None:
+        return a is b
+    return (
+        a.type is b.type and np.array_equal(a.T_from_to, b.T_from_to) and np.array_equal(a.information, b.information)
+    )
+
+
+def _nodes(entries: Sequence[JournalEntry]) -> tuple[list[GraphNode], list[int]]:
+    """Nodes that these entries put into the graph, and ids of those that they take out."""
+    changes = [entry.node for entry in entries if entry.node is not None]
+    restore = [
+        GraphNode(n.node_id, n.map_id, n.T_odom_base, n.T_map_base, n.constraints) for n in changes if n.restores
+    ]
+    return restore, [n.node_id for n in changes if n.drops]
+
+
+def _named(entries: Sequence[JournalEntry]) -> str:
+    named = [f"{e.from_id}->{e.to_id}" if e.from_id != e.to_id else f"node {e.from_id}" for e in entries[:_NAMED]]
+    return ", ".join([*named, f"and {len(entries) - _NAMED} more"] if len(entries) > _NAMED else named)
 
 
 def _effect(

@@ -101,4 +101,5 @@ def _answer(
         link_before=before,
         link_after=after,
         undoes=undoes,
+        node=None if decision.node is None else decision.node if action == "redo" else decision.node.reversed(),
     )

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from server.cli.demo import demo
+from server.cli.edits import detect, refine
 from server.cli.export import export
 from server.cli.info import info
 from server.cli.merge import merge
@@ -43,5 +44,5 @@ def options(
     """RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct."""
 
 
-for command in (demo, run, serve, info, reprocess, merge, recover, export, params):
+for command in (demo, run, serve, info, reprocess, merge, recover, detect, refine, export, params):
     app.command()(command)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from slam.edit.wishes import Detection, LinkEdit, Refinement
 from slam.params import Value
 
 
@@ -87,7 +88,56 @@ class Decide:
     preview: bool = False
 
 
-Command = Pause | Resume | Step | Stop | SetParams | Decide
+@dataclass(frozen=True, slots=True, eq=False)
+class EditLink:
+    """Edit a link, or only work out what that would do; answered with its outcome."""
+
+    edit: LinkEdit
+    preview: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class DropNodes:
+    """Take nodes out of the map, or only work out what that would do; answered with its effect."""
+
+    node_ids: tuple[int, ...]
+    author: str = ""
+    preview: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LabelNode:
+    """Give a node a label, or take it away (empty); answered with its effect."""
+
+    node_id: int
+    label: str
+    author: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class StartJob:
+    """Begin long work on the map; answered at once, its events tell of it.
+
+    Attributes:
+        number: by which its events name it.
+        wanted: what to do.
+        author: who wants it.
+    """
+
+    number: int
+    wanted: Detection | Refinement
+    author: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CancelJob:
+    """Stop the job of this number; what it did so far is forgotten."""
+
+    number: int
+
+
+Edit = EditLink | DropNodes | LabelNode
+Command = Pause | Resume | Step | Stop | SetParams | Decide | Edit | StartJob | CancelJob
 
 
 @dataclass(frozen=True, slots=True)

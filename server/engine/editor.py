@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from server.browse.snapshot import Snapshot
 from server.engine.channel import Channel
-from server.engine.commands import Decide, EditJob, Request, Stop
+from server.engine.commands import CancelJob, Decide, DropNodes, EditJob, EditLink, LabelNode, Request, StartJob, Stop
 from server.engine.decision import carry_out
+from server.engine.edits import Edits
 from server.engine.events import Ended, GraphChanged, Started
+from server.engine.opened import Opened, opened
+from server.engine.running_job import RunningJob
 from server.errors import EngineError
-from slam.database import MapReader, MapWriter
+from slam.edit.wishes import Outcome
 from slam.errors import SlamError
-from slam.graph.graph import PoseGraph
-from slam.maps.grid_rebuild import GridRebuild
-from slam.review import Review
+from slam.review import Effect
 
 #: Without a decision for this long the map is closed, and free for other writers.
 _IDLE_SECONDS = 30.0
@@ -23,46 +23,87 @@ _REST_SECONDS = 0.5
 
 
 class Editor:
-    """Carries out decisions on one existing map."""
+    """Carries out decisions, edits and jobs on one existing map; one job at a time, and nothing else meanwhile."""
 
     def __init__(self, job: EditJob, channel: Channel) -> None:
         self._path: Path = job.path
         self._channel = channel
+        self._job: RunningJob | None = None
 
     def run(self) -> Ended:
         """Decide until nobody asks any more."""
-        with MapWriter.open(self._path) as writer:
-            reader = MapReader(self._path)
-            snapshot = Snapshot(reader, 1, {})
-            graph = PoseGraph.from_reader(reader)
-            review = Review(graph, writer, reader, snapshot.params, lambda poses: snapshot.ate_at(poses, graph.links))
-            grid = GridRebuild(reader, writer, graph, snapshot.params)
-            self._channel.send(Started("", None, dict(snapshot.params.items())))
-            self._serve(review, grid)
+        with opened(self._path) as map_file:
+            self._edits = Edits(map_file.review, map_file.reader)
+            self._channel.send(Started("", None, dict(map_file.params.items())))
+            self._serve(map_file)
         return Ended("stopped")
 
-    def _serve(self, review: Review, grid: GridRebuild) -> None:
+    def _serve(self, map_file: Opened) -> None:
+        grid = map_file.grid
         while True:
-            request = self._channel.next(_REST_SECONDS if grid.is_due else _IDLE_SECONDS)
-            if grid.is_due and (request is None or isinstance(request.command, Stop)):
+            request = self._channel.next(0 if self._job else _REST_SECONDS if grid.is_due else _IDLE_SECONDS)
+            stopping = request is not None and isinstance(request.command, Stop)
+            if stopping and self._job is not None:
+                self._job.cancel()
+            if request is None and self._job is not None:
+                self._work(map_file, self._job)
+            elif grid.is_due and (request is None or stopping):
                 grid.carry_out()
                 self._channel.send(GraphChanged())
             elif request is None:
                 return
-            if request is not None and isinstance(request.command, Stop):
+            if stopping:
                 return
             if request is not None:
-                self._decide(review, grid, request)
+                self._attend(map_file, request)
 
-    def _decide(self, review: Review, grid: GridRebuild, request: Request) -> None:
+    def _work(self, map_file: Opened, job: RunningJob) -> None:
+        job.step()
+        if job.is_over:
+            self._job = None
+            if job.effect is not None:
+                self._changed(map_file)
+
+    def _attend(self, map_file: Opened, request: Request) -> None:
         try:
-            if not isinstance(request.command, Decide):
-                raise EngineError(f"no engine is mapping {self._path.name}: start a run first")
-            effect = carry_out(review, request.command)
+            if isinstance(request.command, StartJob | CancelJob):
+                self._steer(request.command)
+                self._channel.answer(request)
+            else:
+                self._decide(map_file, request)
         except SlamError as error:
             self._channel.refuse(request, error)
+
+    def _steer(self, command: StartJob | CancelJob) -> None:
+        if isinstance(command, StartJob):
+            self._require_rest()
+            self._job = RunningJob(command.number, self._edits.job(command), self._channel)
             return
-        self._channel.answer(request, effect)
-        if not effect.preview:
-            grid.is_due = True
-            self._channel.send(GraphChanged())
+        if self._job is None or self._job.number != command.number:
+            raise EngineError(f"job {command.number} is not running: there is nothing to cancel")
+        self._job.cancel()
+        self._job = None
+
+    def _decide(self, map_file: Opened, request: Request) -> None:
+        self._require_rest()
+        command = request.command
+        answer: Outcome | Effect
+        if isinstance(command, Decide):
+            answer = carry_out(map_file.review, command)
+            changed = not command.preview
+        elif isinstance(command, EditLink | DropNodes | LabelNode):
+            answer = self._edits.carry_out(command)
+            changed = not getattr(command, "preview", False)
+        else:
+            raise EngineError(f"no engine is mapping {self._path.name}: start a run first")
+        self._channel.answer(request, answer)
+        if changed:
+            self._changed(map_file)
+
+    def _changed(self, map_file: Opened) -> None:
+        map_file.grid.is_due = True
+        self._channel.send(GraphChanged())
+
+    def _require_rest(self) -> None:
+        if self._job is not None:
+            raise EngineError(f"a job is at work on {self._path.name}: wait until it has ended, or cancel it")

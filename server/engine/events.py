@@ -9,6 +9,7 @@ from typing import Any, Literal
 from slam.errors import SlamError
 from slam.geometry import Pose
 from slam.params import Value
+from slam.review import Effect
 from slam.types import Candidate, Tier
 
 
@@ -81,6 +82,27 @@ class InForce:
     values: Mapping[str, Value]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class JobTold:
+    """How a job is.
+
+    Attributes:
+        number: which one.
+        state: whether it is under way, or how it ended.
+        share: of the work that is done, 0 to 1.
+        lines: of its log, new since the last event.
+        error: why it failed.
+        effect: on the map, when it is done; None where there was nothing to change.
+    """
+
+    number: int
+    state: Literal["running", "done", "cancelled", "failed"]
+    share: float
+    lines: tuple[str, ...] = ()
+    error: SlamError | None = None
+    effect: Effect | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Answer:
     """The answer to a request: a value, or the error that refused it."""
@@ -105,4 +127,4 @@ class Ended:
     summary: Mapping[str, Any] | None = None
 
 
-Event = Started | Progress | NodeAdded | Moved | GraphChanged | InForce | Answer | Ended
+Event = Started | Progress | NodeAdded | Moved | GraphChanged | InForce | JobTold | Answer | Ended

@@ -11,6 +11,7 @@ from server.engine.decision import carry_out
 from server.engine.events import Ended, GraphChanged, InForce, Moved, NodeAdded, Progress, Started
 from server.engine.mapping import engine_on_map
 from server.engine.pace import Pace
+from server.errors import EngineError
 from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
 from slam.errors import ParameterError, SlamError
@@ -98,6 +99,8 @@ class Runner:
                 self._set_params(slam, request, command)
             elif isinstance(command, Decide):
                 self._decide(slam, request, command)
+            elif not isinstance(command, Pause | Resume | Step | Stop):
+                raise EngineError("links and nodes can't be edited while the map is made: stop the run first")
             else:
                 self._steer(command)
                 self._progress(slam)

@@ -128,6 +128,21 @@ decision = Table(
     Column("ate_after", Float),
 )
 
+#: What an entry of the journal did to a node.
+node_change = Table(
+    "deck_node_change",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("node_id", Integer, nullable=False),
+    Column("map_id", Integer, nullable=False),
+    Column("weight_before", Integer, nullable=False),
+    Column("weight_after", Integer, nullable=False),
+    Column("label_before", Text, nullable=False),
+    Column("label_after", Text, nullable=False),
+    Column("T_odom_base", LargeBinary, nullable=False),
+    Column("T_map_base", LargeBinary, nullable=False),
+)
+
 parameter_change = Table(
     "deck_parameter_change",
     metadata,

@@ -12,12 +12,16 @@ from sqlalchemy import Connection, Select, insert, inspect, null, select
 from slam.database.blobs import pack_information, pack_pose, unpack_information, unpack_pose
 from slam.database.deck_tables import decision, journal
 from slam.database.faults import Faults, each_sound, link_type_of, number_of, text_of, whole_of
+from slam.database.node_change_rows import read_changes, write_change
 from slam.database.records import JournalEntry
 from slam.errors import DatabaseError
 from slam.types import Link
 
+#: What is said of loops, and what is done to links and nodes.
+VERDICTS = ("approve", "reject", "add")
+EDITS = ("refine", "edit", "reset", "cut", "bridge", "drop", "label")
 #: Decisions, and the actions that take one of them (or an undo) back.
-DECISIONS = ("approve", "reject", "add")
+DECISIONS = (*VERDICTS, *EDITS)
 _TAKES_BACK = {"undo": DECISIONS, "redo": ("undo",)}
 
 
@@ -28,7 +32,7 @@ def append_entry(connection: Connection, entry: JournalEntry) -> int:
         DatabaseError: the action is unknown, or there is nothing to take back.
     """
     if entry.action not in (*DECISIONS, *_TAKES_BACK):
-        raise DatabaseError(f"decision {entry.action!r} is unknown: approve, reject, add, undo and redo are known")
+        raise DatabaseError(f"decision {entry.action!r} is unknown: {', '.join((*DECISIONS, *_TAKES_BACK))} are known")
     undoes = entry.undoes
     if entry.action in _TAKES_BACK and undoes is None:
         undoes = _last_standing(connection, entry)
@@ -53,6 +57,8 @@ def append_entry(connection: Connection, entry: JournalEntry) -> int:
 
 def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> list[int]:
     """Add entries that are one batch where they are several; their numbers. Raises like ``append_entry``."""
+    if not entries:
+        return []
     numbers = [append_entry(connection, entry) for entry in entries]
     batch = numbers[0] if len(numbers) > 1 else None
     rows = [
@@ -60,6 +66,9 @@ def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> 
         for number, entry in zip(numbers, entries, strict=True)
     ]
     connection.execute(insert(decision), rows)
+    for number, entry in zip(numbers, entries, strict=True):
+        if entry.node is not None:
+            write_change(connection, number, entry.node)
     return numbers
 
 
@@ -68,7 +77,11 @@ def read_journal(connection: Connection, faults: Faults | None = None) -> list[J
 
     Rows that make no sense go to ``faults``.
     """
-    entries = list(each_sound(journal.name, connection.execute(_all(connection)), _entry, faults))
+    changes = read_changes(connection)
+    entries = [
+        replace(entry, node=changes.get(entry.id))
+        for entry in each_sound(journal.name, connection.execute(_all(connection)), _entry, faults)
+    ]
     undone_by: dict[int, int] = {}
     for entry in reversed(entries):
         if entry.undoes is not None and entry.id not in undone_by:
@@ -77,10 +90,8 @@ def read_journal(connection: Connection, faults: Faults | None = None) -> list[J
 
 
 def read_standing(connection: Connection, faults: Faults | None = None) -> list[JournalEntry]:
-    """The decisions that stand, oldest first: neither undone nor entries that undo."""
-    return [
-        entry for entry in read_journal(connection, faults) if entry.action in DECISIONS and entry.undone_by is None
-    ]
+    """The verdicts that stand, oldest first: neither undone nor entries that undo."""
+    return [entry for entry in read_journal(connection, faults) if entry.action in VERDICTS and entry.undone_by is None]
 
 
 def _all(connection: Connection) -> Select[Any]:

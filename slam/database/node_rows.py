@@ -62,15 +62,15 @@ def update_weights(connection: Connection, weights: Mapping[int, int]) -> None:
             raise DatabaseError(f"weight {weight} of node {node_id} can't be stored: there is no such node")
 
 
-def update_labels(connection: Connection, labels: Mapping[int, str]) -> None:
-    """Give nodes labels.
+def update_labels(connection: Connection, labels: Mapping[int, str | None]) -> None:
+    """Give nodes labels, or take theirs away (None).
 
     Raises:
         DatabaseError: a node does not exist, or another one has the label.
     """
     for node_id, label in labels.items():
         other = connection.scalar(select(node.c.id).where((node.c.label == label) & (node.c.id != node_id)))
-        if other is not None:
+        if label is not None and other is not None:
             raise DatabaseError(f"label {label!r} can't be given to node {node_id}: node {other} has it")
         if connection.execute(update(node).where(node.c.id == node_id).values(label=label)).rowcount != 1:
             raise DatabaseError(f"label {label!r} can't be given to node {node_id}: there is no such node")

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.geometry import Pose
-from slam.types import Descriptors, Link, LocalGrid, Node, OccupancyGrid, Stored, TrackedFrame, Update
+from slam.types import (
+    WEIGHT_INVALID,
+    Descriptors,
+    Link,
+    LocalGrid,
+    Node,
+    OccupancyGrid,
+    Stored,
+    TrackedFrame,
+    Update,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,6 +103,53 @@ class NodeRecord:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class NodeChange:
+    """What a decision did to a node.
+
+    Attributes:
+        node_id: the node.
+        map_id: its session.
+        weight_before: its weight; -9 where it was no part of the map.
+        weight_after: the same afterwards.
+        label_before: its label, empty for none.
+        label_after: the same afterwards.
+        T_odom_base: (4, 4) odometry pose.
+        T_map_base: (4, 4) optimised pose that it had in the map.
+        constraints: its priors, gravity and sightings of landmarks, which stay in the file.
+    """
+
+    node_id: int
+    map_id: int
+    weight_before: int
+    weight_after: int
+    label_before: str
+    label_after: str
+    T_odom_base: Pose
+    T_map_base: Pose
+    constraints: tuple[Link, ...] = ()
+
+    @property
+    def drops(self) -> bool:
+        """Whether it takes the node out of the map."""
+        return self.weight_before != WEIGHT_INVALID and self.weight_after == WEIGHT_INVALID
+
+    @property
+    def restores(self) -> bool:
+        """Whether it puts the node back into the map."""
+        return self.weight_before == WEIGHT_INVALID and self.weight_after != WEIGHT_INVALID
+
+    def reversed(self) -> NodeChange:
+        """What takes it back."""
+        return replace(
+            self,
+            weight_before=self.weight_after,
+            weight_after=self.weight_before,
+            label_before=self.label_after,
+            label_after=self.label_before,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JournalEntry:
     """One decision of a person, with the link before and after, so that it can be undone and attributed.
 
@@ -100,7 +157,8 @@ class JournalEntry:
         id: running number, given by the file; 0 before it is written.
         time: Unix seconds.
         author: who decided.
-        action: ``approve``, ``reject``, ``add``, ``undo`` or ``redo``.
+        action: a verdict about a loop (``approve``, ``reject``, ``add``), an edit of a link (``refine``, ``edit``,
+            ``reset``, ``cut``, ``bridge``) or of a node (``drop``, ``label``), or ``undo`` or ``redo``.
         from_id: node id.
         to_id: node id.
         link_before: the link before the decision, None when there was none.
@@ -115,6 +173,7 @@ class JournalEntry:
         ate_before: absolute trajectory error before, metres, None without ground truth.
         ate_after: the same after.
         batch: id of the first entry of those that were decided together, None for one alone; given by the file.
+        node: what it did to a node, for edits of nodes.
     """
 
     action: str
@@ -135,6 +194,7 @@ class JournalEntry:
     ate_before: float | None = None
     ate_after: float | None = None
     batch: int | None = None
+    node: NodeChange | None = None
 
     @property
     def pair(self) -> tuple[int, int]:

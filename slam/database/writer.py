@@ -32,7 +32,10 @@ from slam.database.schema import add_deck_tables
 from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.params import Params, Value, format_value
-from slam.types import Link, OccupancyGrid, TrackedFrame
+from slam.types import Candidate, Link, OccupancyGrid, TrackedFrame
+
+#: Of many decisions that are made together so many are named.
+_NAMED = 5
 
 
 class MapWriter:
@@ -185,11 +188,16 @@ class MapWriter:
         add: Sequence[Link] = (),
         remove: Sequence[tuple[int, int]] = (),
         poses: Mapping[int, Pose],
+        candidates: Sequence[Candidate] = (),
     ) -> list[int]:
-        """The same for decisions that are made, and taken back, together; all of them are written or none."""
-        named = ", ".join(f"{entry.from_id}-{entry.to_id}" for entry in entries)
-        with self._transaction(f"deciding about link {named}") as connection:
-            return write_decision(connection, self._known, entries, add, remove, poses)
+        """The same for decisions that are made, and taken back, together; all of them are written or none.
+
+        ``candidates`` are loops that were looked at for them.
+        """
+        named = ", ".join(f"{entry.from_id}-{entry.to_id}" for entry in entries[:_NAMED])
+        more = f" and {len(entries) - _NAMED} more" if len(entries) > _NAMED else ""
+        with self._transaction(f"deciding about link {named}{more}") as connection:
+            return write_decision(connection, self._known, entries, add, remove, poses, candidates)
 
     def parameter_change(self, node_id: int, name: str, value: Value) -> None:
         """Log that a parameter has another value from node ``node_id`` on.

@@ -1,4 +1,4 @@
-"""The global grid of a map whose poses were changed by decisions."""
+"""The global grid of a map whose poses and nodes were changed by decisions."""
 
 from __future__ import annotations
 
@@ -22,21 +22,20 @@ class GridRebuild:
         self._graph = graph
         self._params = params
         self._grid: GlobalGrid | None = None
+        self._seen: set[int] = set()
 
     def carry_out(self) -> None:
         """Make it and store it."""
         if self._grid is None:
-            self._grid = self._from_local_grids()
+            self._grid = GlobalGrid(self._params)
         else:
             self._grid.move(self._graph.poses)
+        # All of them at first; later those that came back into the map.
+        for node_id in sorted(self._graph.poses.keys() - self._seen):
+            local = self._reader.local_grid(node_id)
+            if local is not None:
+                self._grid.add(node_id, local, self._graph.poses[node_id])
+        self._seen = set(self._graph.poses)
         if len(self._grid):
             self._writer.save_grid(self._grid.occupancy())
         self.is_due = False
-
-    def _from_local_grids(self) -> GlobalGrid:
-        grid = GlobalGrid(self._params)
-        for node_id, T_map_base in sorted(self._graph.poses.items()):
-            local = self._reader.local_grid(node_id)
-            if local is not None:
-                grid.add(node_id, local, T_map_base)
-        return grid

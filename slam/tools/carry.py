@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 from slam.database import JournalEntry, MapReader, MapWriter
-from slam.database.journal_rows import DECISIONS
+from slam.database.journal_rows import VERDICTS
 from slam.errors import OptimizationError
 from slam.graph.graph import PoseGraph
 from slam.graph.verify import join
@@ -53,8 +53,11 @@ def carry(writer: MapWriter, graph: PoseGraph, readers: Sequence[MapReader], ids
 
 def _made_by_hand(reader: MapReader) -> list[JournalEntry]:
     """The last decision about each pair that stands, and the links by hand that no journal knows (RTAB-Map's)."""
-    last = {e.pair: e for e in reader.journal() if e.action in DECISIONS and e.undone_by is None}
-    links = [link for link in reader.links() if link.type is LinkType.USER_CLOSURE and link.pair not in last]
+    now = {link.pair: link for link in reader.links() if link.type is LinkType.USER_CLOSURE}
+    last = {e.pair: e for e in reader.journal() if e.action in VERDICTS and e.undone_by is None}
+    # A link by hand that was edited afterwards is what it is now.
+    last |= {pair: replace(e, link_after=now[pair]) for pair, e in last.items() if e.action == "add" and pair in now}
+    links = [link for pair, link in now.items() if pair not in last]
     entries = [JournalEntry(action="add", from_id=k.from_id, to_id=k.to_id, link_after=k) for k in links]
     return [*entries, *sorted(last.values(), key=lambda entry: entry.id)]
 

@@ -63,9 +63,11 @@ class File:
         add: Sequence[Link] = (),
         remove: Sequence[tuple[int, int]] = (),
         poses: Mapping[int, Pose],
+        candidates: Sequence[Candidate] = (),
     ) -> list[int]:
         if self.full:
             raise DatabaseError("disk full")
+        self.rows += [Row(item) for item in candidates]
         for a, b in remove:
             del self.links[min(a, b), max(a, b)]
         for link in add:

@@ -128,6 +128,50 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/job": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Job
+         * @description The last job of this map.
+         */
+        get: operations["get_job"];
+        put?: never;
+        /**
+         * Start Job
+         * @description Look for more loops, or refine links; what is found is one batch, which one undo takes back.
+         */
+        post: operations["start_job"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/job/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Job
+         * @description Stop the job; the map stays as it was before it began.
+         */
+        post: operations["cancel_job"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/landmarks": {
         parameters: {
             query?: never;
@@ -142,6 +186,26 @@ export interface paths {
         get: operations["list_landmarks"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/links": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Edit Link
+         * @description Add, refine, edit or reset a link, or only see what that would do.
+         */
+        post: operations["edit_link"];
         delete?: never;
         options?: never;
         head?: never;
@@ -252,6 +316,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/drop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Drop Nodes
+         * @description Take nodes out of the map; odometry's way is bridged over them, and undo brings them back.
+         */
+        post: operations["drop_nodes"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}": {
         parameters: {
             query?: never;
@@ -326,6 +410,26 @@ export interface paths {
         get: operations["get_node_image"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/label": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Label Node
+         * @description Give a node a label, or take it away.
+         */
+        post: operations["label_node"];
         delete?: never;
         options?: never;
         head?: never;
@@ -648,6 +752,84 @@ export interface components {
             revision: number | null;
         };
         /**
+         * DetectOptions
+         * @description More loop closures: what is looked for.
+         */
+        DetectOptions: {
+            /**
+             * Angle Deg
+             * @default 30
+             */
+            angle_deg: number;
+            /**
+             * Guess
+             * @default none
+             * @enum {string}
+             */
+            guess: "graph" | "none";
+            /**
+             * Inter
+             * @default true
+             */
+            inter: boolean;
+            /**
+             * Intra
+             * @default true
+             */
+            intra: boolean;
+            /**
+             * Iterations
+             * @default 5
+             */
+            iterations: number;
+            /**
+             * Method
+             * @default visual
+             * @enum {string}
+             */
+            method: "visual" | "icp" | "both";
+            /**
+             * Min Graph Distance
+             * @description Fewest links between two nodes of one session.
+             * @default 10
+             */
+            min_graph_distance: number;
+            /**
+             * Min Radius M
+             * @default 0
+             */
+            min_radius_m: number;
+            /**
+             * Radius M
+             * @default 1
+             */
+            radius_m: number;
+        };
+        /**
+         * EditedLink
+         * @description A link as it is, or would be.
+         */
+        EditedLink: {
+            /**
+             * Angles Deg
+             * @description Roll, pitch, yaw.
+             */
+            angles_deg: number[];
+            /** From */
+            from: number;
+            /**
+             * Sigmas
+             * @description x y z in metres, roll pitch yaw in degrees.
+             */
+            sigmas: number[];
+            /** To */
+            to: number;
+            /** Transform */
+            transform: number[];
+            /** Type */
+            type: string;
+        };
+        /**
          * Effect
          * @description When a change takes effect.
          * @enum {string}
@@ -756,6 +938,70 @@ export interface components {
             value: number;
             /** Virtual Place */
             virtual_place: number;
+        };
+        /**
+         * IcpFacts
+         * @description What clouds said.
+         */
+        IcpFacts: {
+            /** Complexity */
+            complexity: number;
+            /** Points */
+            points: number;
+            /**
+             * Ratio
+             * @description Share of the points of the larger cloud that have a partner.
+             */
+            ratio: number;
+            /** Rotation Deg */
+            rotation_deg: number;
+            /**
+             * Translation M
+             * @description Length of the correction of the guess.
+             */
+            translation_m: number;
+        };
+        /**
+         * Job
+         * @description The last long work on a map.
+         */
+        Job: {
+            /** @description What it did to the map; None while it runs, and where it changed nothing. */
+            decision: components["schemas"]["DecisionResult"] | null;
+            /** Id */
+            id: number;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "detect" | "refine";
+            /**
+             * Log
+             * @description The last lines.
+             */
+            log: string[];
+            /**
+             * Message
+             * @description Why it failed.
+             */
+            message: string;
+            /**
+             * Share
+             * @description 0 to 1.
+             */
+            share: number;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "running" | "done" | "cancelled" | "failed";
+        };
+        /**
+         * JobStatus
+         * @description The last job of a map, if there was one.
+         */
+        JobStatus: {
+            job: components["schemas"]["Job"] | null;
         };
         /**
          * Journal
@@ -917,6 +1163,88 @@ export interface components {
              * @description The node whose update looked at it; None for links that were never a candidate.
              */
             update: number | null;
+        };
+        /**
+         * LinkEdit
+         * @description What to do with the link of two nodes.
+         */
+        LinkEdit: {
+            /**
+             * Action
+             * @description ``add`` by registration, ``points`` by picked points, ``refine`` what is there, ``edit`` by numbers.
+             * @enum {string}
+             */
+            action: "add" | "points" | "refine" | "edit" | "reset";
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * Force
+             * @description Although the points or the graph object.
+             * @default false
+             */
+            force: boolean;
+            /** From */
+            from: number;
+            /**
+             * Guess
+             * @default graph
+             * @enum {string}
+             */
+            guess: "graph" | "none";
+            /**
+             * Method
+             * @default visual
+             * @enum {string}
+             */
+            method: "visual" | "icp" | "both";
+            /**
+             * Pairs
+             * @description Picked points: x and y in the image of ``from``, then in that of ``to``, pixels.
+             */
+            pairs?: number[][];
+            /**
+             * Preview
+             * @description Only say what it would do.
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Sigmas
+             * @description Of the same axes; 0 where nothing is known.
+             */
+            sigmas?: number[] | null;
+            /** To */
+            to: number;
+            /**
+             * Transform
+             * @description x y z in metres, roll pitch yaw in degrees, from ``from`` to ``to``.
+             */
+            transform?: number[] | null;
+        };
+        /**
+         * LinkEditResult
+         * @description What came of an edit, or would.
+         */
+        LinkEditResult: {
+            /** @description What it does to the map; None where there is no link. */
+            decision: components["schemas"]["DecisionResult"] | null;
+            icp: components["schemas"]["IcpFacts"] | null;
+            /** Inliers */
+            inliers: number | null;
+            /** @description None where nothing was found. */
+            link: components["schemas"]["EditedLink"] | null;
+            /** Matches */
+            matches: number | null;
+            /** @description What speaks against it. */
+            reason: components["schemas"]["LoopReason"] | null;
+            /**
+             * Residuals M
+             * @description How far each picked point is off.
+             */
+            residuals_m: number[] | null;
         };
         /**
          * LinkMatches
@@ -1389,6 +1717,28 @@ export interface components {
             words: number;
         };
         /**
+         * NodeDrop
+         * @description Nodes that leave the map, by id or from one to another.
+         */
+        NodeDrop: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** First */
+            first?: number | null;
+            /** Last */
+            last?: number | null;
+            /** Nodes */
+            nodes?: number[];
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+        };
+        /**
          * NodeFeatures
          * @description Key points of a node; entry i of each list is the same one.
          */
@@ -1408,6 +1758,19 @@ export interface components {
             x: number[];
             /** Y */
             y: number[];
+        };
+        /**
+         * NodeLabel
+         * @description A node's label; empty takes it away.
+         */
+        NodeLabel: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Label */
+            label: string;
         };
         /**
          * NodeLink
@@ -1564,6 +1927,48 @@ export interface components {
             unused: {
                 [key: string]: string;
             };
+        };
+        /**
+         * RefineOptions
+         * @description Links to register anew, from what they say.
+         */
+        RefineOptions: {
+            /**
+             * Covariance Only
+             * @default false
+             */
+            covariance_only: boolean;
+            /**
+             * First
+             * @default 0
+             */
+            first: number;
+            /**
+             * Inter
+             * @default true
+             */
+            inter: boolean;
+            /**
+             * Intra
+             * @default true
+             */
+            intra: boolean;
+            /**
+             * Last
+             * @default 0
+             */
+            last: number;
+            /**
+             * Method
+             * @default visual
+             * @enum {string}
+             */
+            method: "visual" | "icp" | "both";
+            /**
+             * Types
+             * @description None for all.
+             */
+            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged")[];
         };
         /**
          * RefusedDecision
@@ -1766,6 +2171,19 @@ export interface components {
             height: number;
             /** Width */
             width: number;
+        };
+        /**
+         * StartJob
+         * @description Long work on a map: one of both.
+         */
+        StartJob: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            detect?: components["schemas"]["DetectOptions"] | null;
+            refine?: components["schemas"]["RefineOptions"] | null;
         };
         /**
          * StartRun
@@ -2403,6 +2821,214 @@ export interface operations {
             };
         };
     };
+    get_job: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobStatus"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    start_job: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartJob"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    cancel_job: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobStatus"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     list_landmarks: {
         parameters: {
             query?: never;
@@ -2422,6 +3048,78 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Landmarks"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    edit_link: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LinkEdit"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LinkEditResult"];
                 };
             };
             /** @description No token. */
@@ -2894,6 +3592,78 @@ export interface operations {
             };
         };
     };
+    drop_nodes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodeDrop"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_node: {
         parameters: {
             query?: never;
@@ -3125,6 +3895,79 @@ export interface operations {
                 content: {
                     "image/jpeg": unknown;
                     "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    label_node: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodeLabel"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
                 };
             };
             /** @description No token. */

@@ -1,0 +1,43 @@
+"""Edits of links and nodes, and jobs, on a map that is open for writing."""
+
+from __future__ import annotations
+
+from server.engine.commands import DropNodes, Edit, EditLink, StartJob
+from slam.database import MapReader
+from slam.edit.detect import detect_more
+from slam.edit.job import Job
+from slam.edit.links import LinkEditor
+from slam.edit.nodes import dropping, labelling
+from slam.edit.refine import refine_links
+from slam.edit.wishes import Detection, Outcome
+from slam.review import Effect, Review
+
+
+class Edits:
+    """Carries out what people want beyond verdicts on loops."""
+
+    def __init__(self, review: Review, reader: MapReader) -> None:
+        self._review = review
+        self._reader = reader
+        self._links = LinkEditor(review, reader)
+
+    def carry_out(self, command: Edit) -> Outcome | Effect:
+        """Do it, or work out what it would do.
+
+        Raises:
+            DecisionError: it is not possible on this map.
+            DatabaseError: it can't be written.
+        """
+        if isinstance(command, EditLink):
+            return self._links.preview(command.edit) if command.preview else self._links.carry_out(command.edit)
+        graph, reader = self._review.graph, self._reader
+        if isinstance(command, DropNodes):
+            entries = dropping(graph, reader, command.node_ids, command.author)
+            return self._review.change(entries, preview=command.preview)
+        return self._review.change([labelling(graph, reader, command.node_id, command.label, command.author)])
+
+    def job(self, command: StartJob) -> Job:
+        """The work of a job, not begun."""
+        if isinstance(command.wanted, Detection):
+            return detect_more(self._review, self._links.views, command.wanted, command.author)
+        return refine_links(self._review, self._links.views, command.wanted, command.author)

@@ -1,0 +1,133 @@
+"""What people may want of links, and what came of it; light, so that whoever only asks loads nothing heavy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from slam.geometry import Array, Pose
+from slam.review import Effect
+from slam.types import Link, LinkType, Refusal, Registration
+
+#: By images, by clouds, or by images and from there by clouds.
+Method = Literal["visual", "icp", "both"]
+#: Where the search begins: at the optimised poses, or without any idea (clouds: at the same pose).
+Guess = Literal["graph", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class Matching:
+    """How two nodes are registered."""
+
+    method: Method = "visual"
+    guess: Guess = "graph"
+
+
+class PixelPair(NamedTuple):
+    """The same point in two images: x and y in pixels of each."""
+
+    x_from: float
+    y_from: float
+    x_to: float
+    y_to: float
+
+
+LinkAction = Literal["add", "points", "refine", "edit", "reset"]
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class LinkEdit:
+    """What somebody wants of a link.
+
+    Attributes:
+        action: ``add`` by registration, add by picked ``points``, ``refine`` by registration around what the link says,
+            ``edit`` (or add) with numbers that were typed, ``reset`` to what it was before anybody edited it.
+        from_id: one of both nodes.
+        to_id: the other one.
+        how: of the registration.
+        pairs: picked points of both images.
+        T_from_to: (4, 4) that was typed.
+        sigmas: (6,) x y z in metres, roll pitch yaw in radians; 0 means that nothing is known of the axis.
+        author: who wants it.
+        force: do it although the graph or the points object.
+    """
+
+    action: LinkAction
+    from_id: int
+    to_id: int
+    how: Matching = field(default_factory=Matching)
+    pairs: Sequence[PixelPair] = ()
+    T_from_to: Pose | None = None
+    sigmas: Array | None = None
+    author: str = ""
+    force: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """What came of it, or would.
+
+    Attributes:
+        link: as it is, or would be; None where nothing was found.
+        registration: evidence of the images or clouds, where they were asked.
+        residuals_m: of picked points (N,), where there were some.
+        refusal: the test that speaks against it.
+        effect: on the map; None where there is no link.
+    """
+
+    link: Link | None = None
+    registration: Registration | None = None
+    residuals_m: Array | None = None
+    refusal: Refusal | None = None
+    effect: Effect | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """What is looked for.
+
+    Attributes:
+        radius_m: largest distance of two nodes.
+        min_radius_m: smallest distance of two nodes.
+        angle_deg: largest angle between their forward axes.
+        iterations: rounds; after each the poses are those of the graph with what was found.
+        min_graph_distance: fewest links between two nodes of one session.
+        intra: pairs of one session.
+        inter: pairs of two sessions.
+        method: of the registration.
+        guess: where it begins.
+    """
+
+    radius_m: float = 1.0
+    min_radius_m: float = 0.0
+    angle_deg: float = 30.0
+    iterations: int = 5
+    min_graph_distance: int = 10
+    intra: bool = True
+    inter: bool = True
+    method: Method = "visual"
+    guess: Guess = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class Refinement:
+    """Which links, and how.
+
+    Attributes:
+        types: kinds of links; none for all.
+        first: smallest id of a node, both ends; 0 for no limit.
+        last: largest id of a node, both ends; 0 for no limit.
+        intra: links within one session.
+        inter: links between two sessions.
+        method: of the registration, which begins at what the link says.
+        covariance_only: transforms stay.
+    """
+
+    types: tuple[LinkType, ...] = ()
+    first: int = 0
+    last: int = 0
+    intra: bool = True
+    inter: bool = True
+    method: Method = "visual"
+    covariance_only: bool = False

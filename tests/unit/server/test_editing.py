@@ -1,0 +1,170 @@
+"""Links by hand, nodes, labels and jobs over the API, on a served copy of a map of the rendered tour."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from slam.database import MapReader
+from tests.tours import mapped
+from tests.unit.server.running import RunningApp, StartApp
+
+
+@pytest.fixture
+def tour(start_app: StartApp, tmp_path: Path) -> RunningApp:
+    shutil.copy(mapped(0).path, tmp_path / "tour.db")
+    return start_app(tmp_path)
+
+
+@pytest.fixture
+def reader(tour: RunningApp, tmp_path: Path) -> MapReader:
+    del tour
+    return MapReader(tmp_path / "tour.db")
+
+
+def post(client: RunningApp, path: str, **body: Any) -> Any:
+    return client.post(f"/api/maps/tour/{path}", json=body)
+
+
+def loops(reader: MapReader) -> list[tuple[int, int]]:
+    return [(link.from_id, link.to_id) for link in reader.links() if link.type.is_loop]
+
+
+def reject_all(client: RunningApp, reader: MapReader) -> list[tuple[int, int]]:
+    found = loops(reader)
+    assert post(client, "decisions", action="reject", loops=[list(pair) for pair in found]).status_code == 200
+    return found
+
+
+def until_over(client: RunningApp) -> Any:
+    """The last event of the job, as a browser hears it."""
+    with client.stream_of("/api/events") as stream:
+        while True:
+            said = json.loads(stream.recv(timeout=60))
+            if said["topic"] == "job" and said["value"]["state"] != "running":
+                return said["value"]
+
+
+def test_a_link_is_foreseen_added_refined_edited_reset_and_all_of_it_undone(
+    tour: RunningApp, reader: MapReader
+) -> None:
+    new, old = reject_all(tour, reader)[0]
+    wanted = {"action": "add", "from": new, "to": old, "guess": "none", "author": "ann"}
+    seen = post(tour, "links", **wanted, preview=True).json()
+    assert seen["link"]["type"] == "UserClosure" and seen["inliers"] >= 20 and seen["reason"] is None
+    assert seen["decision"]["preview"] and seen["decision"]["effect"]["moved"] > 0
+    assert not loops(reader)
+    done = post(tour, "links", **wanted).json()
+    assert done["decision"]["revision"] is not None and loops(reader) == [(new, old)]
+    assert done["link"]["transform"] == seen["link"]["transform"]
+    assert post(tour, "links", **wanted).status_code == 409
+
+    link = done["link"]
+    typed = [link["transform"][0] + 0.05, *link["transform"][1:3], *link["angles_deg"]]
+    edit = {"action": "edit", "from": new, "to": old, "transform": typed, "sigmas": [0.02] * 3 + [0.5] * 3}
+    assert post(tour, "links", **edit).json()["link"]["transform"][0] == pytest.approx(typed[0])
+    refined = post(tour, "links", action="refine", **{"from": new, "to": old}).json()
+    assert refined["link"]["transform"][:3] == pytest.approx(link["transform"][:3], abs=0.01)
+    reset = post(tour, "links", action="reset", **{"from": new, "to": old}).json()
+    assert reset["link"]["transform"] == pytest.approx(link["transform"], abs=1e-6)
+    actions = [entry["action"] for entry in tour.get("/api/maps/tour/decisions").json()["entries"]][-4:]
+    assert actions == ["add", "edit", "refine", "reset"]
+    for _ in actions:
+        assert post(tour, "decisions", action="undo").status_code == 200
+    assert not loops(reader)
+
+
+def test_points_picked_in_both_images_are_judged_by_their_residuals(tour: RunningApp, reader: MapReader) -> None:
+    new, old = reject_all(tour, reader)[0]
+    seen = tour.get(f"/api/maps/tour/links/{new}/{old}/matches").json()
+    depth = reader.depth_m(new), reader.depth_m(old)
+    good = [
+        [seen["x1"][k], seen["y1"][k], seen["x2"][k], seen["y2"][k]]
+        for k in np.flatnonzero(seen["inlier"]).tolist()
+        if depth[0][int(seen["y1"][k]), int(seen["x1"][k])] and depth[1][int(seen["y2"][k]), int(seen["x2"][k])]
+    ][:12]
+    ids = {"from": new, "to": old}
+    done = post(tour, "links", action="points", pairs=good, force=True, preview=True, **ids).json()
+    assert len(done["residuals_m"]) == len(good) and np.median(done["residuals_m"]) < 0.05
+    false = [[*pair[:2], *good[k - 3][2:]] for k, pair in enumerate(good)]
+    refused = post(tour, "links", action="points", pairs=false, **ids)
+    assert refused.status_code == 409 and "Vis/InlierDistance" in refused.json()["error"]["message"]
+    assert post(tour, "links", action="points", pairs=good[:2], **ids).status_code == 422
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "status"),
+    [
+        ("links", {"action": "add", "from": 3, "to": 3}, 409),
+        ("links", {"action": "add", "from": 3, "to": 9999}, 409),
+        ("links", {"action": "refine", "from": 3, "to": 40}, 409),
+        ("links", {"action": "reset", "from": 4, "to": 3}, 409),
+        ("links", {"action": "edit", "from": 4, "to": 3}, 422),
+        ("links", {"action": "add", "from": 20, "to": 60, "guess": "none"}, 409),
+        ("nodes/drop", {"nodes": [9999]}, 409),
+        ("nodes/drop", {"first": 900, "last": 999}, 404),
+        ("nodes/drop", {}, 422),
+        ("nodes/5/label", {"label": ""}, 409),
+        ("job", {}, 422),
+        ("job", {"detect": {"radius_m": 0}}, 422),
+        ("job/cancel", {}, 404),
+    ],
+)
+def test_what_makes_no_sense_is_refused_and_changes_nothing(
+    tour: RunningApp, reader: MapReader, path: str, body: dict[str, Any], status: int
+) -> None:
+    answer = post(tour, path, **body)
+    assert answer.status_code == status, answer.text
+    assert answer.json()["error"]["message"]
+    assert not reader.journal()
+
+
+def test_nodes_leave_and_come_back_and_labels_are_undone(tour: RunningApp, reader: MapReader) -> None:
+    nodes = reader.info().nodes
+    seen = post(tour, "nodes/drop", first=10, last=12, preview=True).json()
+    assert seen["preview"] and reader.info().nodes == nodes
+    assert post(tour, "nodes/drop", first=10, last=12, author="ann").status_code == 200
+    graph = tour.get("/api/maps/tour/graph").json()
+    assert not {10, 11, 12} & set(graph["nodes"]["id"])
+    assert (13, 9) in set(zip(graph["links"]["from"], graph["links"]["to"], strict=True))
+    assert post(tour, "nodes/9/label", label="door").json()["entry"]["action"] == "label"
+    assert tour.get("/api/maps/tour/nodes/9").json()["label"] == "door"
+    assert "door" in post(tour, "nodes/20/label", label="door").json()["error"]["message"]
+    for _ in range(2):
+        post(tour, "decisions", action="undo")
+    assert tour.get("/api/maps/tour/nodes/9").json()["label"] == ""
+    assert reader.info().nodes == nodes
+
+
+def test_a_job_finds_loops_as_one_batch_which_one_undo_takes_back(tour: RunningApp, reader: MapReader) -> None:
+    reject_all(tour, reader)
+    job = post(tour, "job", detect={"angle_deg": 40, "iterations": 2}, author="ann").json()
+    assert job["kind"] == "detect"
+    over = until_over(tour)
+    assert (over["id"], over["state"], over["share"]) == (job["id"], "done", 1.0)
+    assert over["decision"]["count"] == len(loops(reader)) > 1
+    assert over["log"][-1].startswith(f"{over['decision']['count']} loops found")
+    assert tour.get("/api/maps/tour/job").json()["job"] == over
+    rows = {row["key"]: row for row in tour.get("/api/maps/tour/loops").json()["loops"]}
+    assert all(rows[f"{a}-{b}"]["state"] == "added" and rows[f"{a}-{b}"]["inliers"] for a, b in loops(reader))
+    assert any(row["reason"] for row in rows.values() if row["state"] == "refused")
+    assert post(tour, "decisions", action="undo").json()["count"] == over["decision"]["count"]
+    assert not loops(reader)
+
+
+def test_a_job_is_cancelled_and_nothing_else_is_done_meanwhile(tour: RunningApp, reader: MapReader) -> None:
+    before = len(reader.candidates())
+    post(tour, "job", detect={"radius_m": 4, "angle_deg": 180, "iterations": 100, "min_graph_distance": 2})
+    busy = post(tour, "decisions", action="reject", loops=[list(loops(reader)[0])])
+    assert busy.status_code == 409 and "a job is at work" in busy.json()["error"]["message"]
+    assert post(tour, "job", refine={}).status_code == 409
+    assert post(tour, "job/cancel").json()["job"]["state"] == "cancelled" or until_over(tour)["state"] == "cancelled"
+    assert not reader.journal() and len(reader.candidates()) == before
+    done = post(tour, "job", refine={"types": ["Neighbor"], "first": 5, "last": 9}, author="ann")
+    assert done.status_code == 200
+    assert until_over(tour)["decision"]["count"] >= 2
