@@ -132,3 +132,15 @@ def test_rows_are_only_added(path: Path) -> None:
         assert rows()[: len(before)] == before
         before = rows()
     assert len(before) == 3
+
+
+def test_a_journal_of_an_earlier_version_is_read_and_gone_on_with(path: Path) -> None:
+    with MapWriter.open(path) as writer:
+        writer.append_decision(entry("approve"), poses={})
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("DROP TABLE deck_decision")
+        connection.commit()
+    assert [(e.action, e.batch, e.ate_after) for e in MapReader(path).journal()] == [("approve", None, None)]
+    with MapWriter.open(path) as writer:
+        writer.append_decisions([entry("undo"), entry("redo")], poses={})
+    assert [(e.action, e.batch) for e in MapReader(path).journal()] == [("approve", None), ("undo", 2), ("redo", 2)]
