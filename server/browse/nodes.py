@@ -24,7 +24,6 @@ from slam.geometry import inverse, transform, translation_norm
 from slam.types import Link, Tier
 
 #: How many key points became words: counting the rows of the file for each node of a table would take far longer.
-_WORDS = "Keypoint/Current_frame/words"
 NodeOrder = Literal["id", "-id", "weight", "-weight", "stamp", "-stamp"]
 
 
@@ -111,12 +110,8 @@ def camera_of(view: MapView, node_id: int) -> Camera | None:
 
 
 def _words(view: MapView, node_ids: Sequence[int]) -> dict[int, int]:
-    """Id -> number of key points that became words, of some nodes."""
-    table = view.reader.statistics(node_ids, [_WORDS], faults={})
-    known = zip(table.ids.tolist(), table.values[_WORDS].tolist(), strict=True)
-    counted = {node_id: int(words) for node_id, words in known if 0 <= words < 2**31}
-    missing = [i for i in node_ids if i not in counted]
-    return {**dict.fromkeys(node_ids, 0), **counted, **(view.reader.word_counts(missing) if missing else {})}
+    """Id -> number of key points that are words, of some nodes: counted, as RTAB-Map's statistic counts others too."""
+    return {**dict.fromkeys(node_ids, 0), **view.reader.word_counts(node_ids)}
 
 
 def _row(snapshot: Snapshot, table: NodeTable, row: int, words: Mapping[int, int]) -> NodeRow:
