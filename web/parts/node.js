@@ -8,6 +8,7 @@ import { graphRevision } from "../store.js";
 import { Facts } from "./facts.js";
 import { NodeImages } from "./node_images.js";
 import { LinkName } from "./link_name.js";
+import { NodeEdit } from "./node_edit.js";
 import { Poses } from "./pose.js";
 import { Sensors } from "./sensors.js";
 import { Failed, Loading } from "./state.js";
@@ -32,6 +33,7 @@ export function NodeInspector({ map, id }) {
     </header>
     <div class="inspector-body">
       ${h(NodeImages, { map, node })}
+      ${h(NodeEdit, { node, onDone: reload })}
       ${h(Facts, {
         facts: [
           ["Time", text.clock(node.stamp)],

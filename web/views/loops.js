@@ -12,7 +12,9 @@ import { graphRevision, inForce } from "../store.js";
 import { BulkBar } from "../parts/bulk.js";
 import { EffectLine, lockReason } from "../parts/decision_bar.js";
 import { Journal } from "../parts/journal.js";
+import { Jobs } from "../parts/jobs.js";
 import { LinkEvidence } from "../parts/link.js";
+import { LinkTool } from "../parts/link_tool.js";
 import { LoopFilter } from "../parts/loop_filter.js";
 import { loopColumns } from "../parts/loop_columns.js";
 import { Empty, Failed, Loading } from "../parts/state.js";
@@ -28,7 +30,8 @@ export function Loops() {
   const map = /** @type {string} */ (openMapId.value);
   const list = useMemo(() => new LoopList(map), [map]);
   const [filter, setFilter] = useState(NO_FILTER);
-  const journal = route.value.query.get("tab") === "journal";
+  const tab = route.value.query.get("tab") ?? "";
+  const journal = tab === "journal";
 
   useEffect(() => void list.pull(), [list]);
   useEffect(() => on("decision", (_, of) => of === map && void list.pull({ all: true })), [list]);
@@ -49,13 +52,21 @@ export function Loops() {
       <h2>Loop closures</h2>
       <span class="quiet grow">${list.byKey.size ? text.whole(list.byKey.size) : ""}</span>
       <nav class="tabs" aria-label="Loops">
-        <a href=${link({ view: "loops", key })} aria-current=${journal ? undefined : "true"}>Queue</a>
+        <a href=${link({ view: "loops", key })} aria-current=${tab ? undefined : "true"}>Queue</a>
+        <a href=${link({ view: "loops", query: ends(key) })} aria-current=${tab === "link" ? "true" : undefined}>Link</a>
+        <a href=${link({ view: "loops", query: { tab: "jobs" } })} aria-current=${tab === "jobs" ? "true" : undefined}>Bulk</a>
         <a href=${link({ view: "loops", key, query: { tab: "journal" } })} aria-current=${journal ? "true" : undefined}>Journal</a>
       </nav>
     </div>
-    ${journal ? h(Journal, { map, quiet: Boolean(key) }) : queue()}
+    ${part()}
     ${key && h(LinkEvidence, { key, map, link: key, row: rows[selected], onStep: step, onDecided: reload })}
   </div>`;
+
+  function part() {
+    if (tab === "link") return h(LinkTool, { map, onDone: reload });
+    if (tab === "jobs") return h(Jobs, { map });
+    return journal ? h(Journal, { map, quiet: Boolean(key) }) : queue();
+  }
 
   function queue() {
     return html`<div class="view-part">
@@ -85,6 +96,12 @@ export function Loops() {
       onOrder: (next) => (order.value = next),
     });
   }
+}
+
+/** The link tool opens with the link that is shown. @param {string | null} key @returns {Record<string, string>} */
+function ends(key) {
+  const [from, to] = (key ?? "").split("-");
+  return from && to ? { tab: "link", from, to } : { tab: "link" };
 }
 
 function NoLoops() {
