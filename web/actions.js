@@ -37,7 +37,7 @@ export function dismiss(id) {
  * @param {Promise<T>} work
  * @returns {Promise<T | null>} null when it failed, and that was said
  */
-async function told(work) {
+export async function told(work) {
   try {
     return await work;
   } catch (error) {
@@ -93,4 +93,60 @@ export async function decide(decision) {
 export function foreseeDecision(decision, signal) {
   const map = /** @type {string} */ (openMapId.value);
   return post("/api/maps/{map}/decisions", { path: { map }, body: { ...decision, author: "", preview: true }, signal });
+}
+
+/**
+ * A decision that has its own place; its answer is the last decision then.
+ * @template {Schemas["DecisionResult"] | Schemas["LinkEditResult"]} T
+ * @param {string} map
+ * @param {Promise<T>} work
+ * @param {(answer: T) => Schemas["DecisionResult"] | null} decisionOf
+ */
+async function alone(map, work, decisionOf) {
+  deciding.value = true;
+  try {
+    const answer = await work;
+    const made = decisionOf(answer);
+    if (made && map === openMapId.value) {
+      lastDecision.value = made;
+      graphRevision.value += 1;
+      void loadInfo();
+    }
+    return answer;
+  } finally {
+    deciding.value = false;
+  }
+}
+
+/**
+ * A link by hand, or what it would do; a refusal is an answer, too.
+ * @param {Schemas["LinkEdit"]} edit without its author
+ * @returns {Promise<Schemas["LinkEditResult"] | {error: string}>}
+ */
+export async function editLink(edit) {
+  const map = openMapId.value;
+  if (!map) return { error: "no map is open" };
+  const work = post("/api/maps/{map}/links", { path: { map }, body: { ...edit, author: author.value.trim() } });
+  try {
+    return edit.preview ? await work : await alone(map, work, (answer) => answer.decision);
+  } catch (error) {
+    return { error: /** @type {Error} */ (error).message };
+  }
+}
+
+/** Give a node a label; empty takes it away. @param {number} id @param {string} label */
+export async function labelNode(id, label) {
+  const map = openMapId.value;
+  if (!map) return null;
+  const body = { label, author: author.value.trim() };
+  return told(alone(map, post("/api/maps/{map}/nodes/{node_id}/label", { path: { map, node_id: id }, body }), (made) => made));
+}
+
+/** Take nodes out of the map, or see what that would do. @param {number[]} nodes @param {boolean} preview */
+export async function dropNodes(nodes, preview) {
+  const map = openMapId.value;
+  if (!map) return null;
+  const body = { nodes, author: author.value.trim(), preview };
+  const work = post("/api/maps/{map}/nodes/drop", { path: { map }, body });
+  return told(preview ? work : alone(map, work, (made) => made));
 }

@@ -4,6 +4,7 @@ import { setScene } from "./actions.js";
 import { on } from "./events.js";
 import { go, openMapId, route } from "./router.js";
 import { selection } from "./store.js";
+import { pickEnd } from "./parts/link_tool.js";
 
 /** @typedef {{kind: "node" | "link", ids: number[]}} Picked */
 
@@ -19,7 +20,8 @@ export function startPicking() {
 function show({ kind, ids }) {
   // The keys of the inspector work at once, without a click into the page.
   if (document.activeElement instanceof HTMLIFrameElement) document.activeElement.blur();
-  if (kind === "node") go({ view: "nodes", key: ids[0], query: Object.fromEntries(route.value.query) });
+  if (kind === "node" && route.value.view === "loops" && route.value.query.get("tab") === "link") pickEnd(ids[0]);
+  else if (kind === "node") go({ view: "nodes", key: ids[0], query: Object.fromEntries(route.value.query) });
   else go({ view: "loops", key: ids.join("-") });
 }
 

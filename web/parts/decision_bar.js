@@ -59,12 +59,26 @@ export function EffectLine() {
   if (deciding.value) return html`<p class="effect" role="status">Optimising the graph…</p>`;
   if (!last) return null;
   const { entry, effect, count } = last;
-  const name = count > 1 ? ` ${text.whole(count)} loops` : ` ${entry.from_id} → ${entry.to_id}`;
+  const one = entry.from_id === entry.to_id ? ` node ${entry.from_id}` : ` ${entry.from_id} → ${entry.to_id}`;
+  const name = count > 1 ? ` ${text.whole(count)} entries` : one;
   return html`<p class="effect" role="status" id="effect"><span class="quiet">${PAST[entry.action] ?? entry.action}${name}</span> ${effectParts(effect)}</p>`;
 }
 
 /** @type {Record<string, string>} */
-export const PAST = { approve: "Approved", reject: "Rejected", undo: "Undid", redo: "Redid", add: "Added" };
+export const PAST = {
+  approve: "Approved",
+  reject: "Rejected",
+  undo: "Undid",
+  redo: "Redid",
+  add: "Added",
+  refine: "Refined",
+  edit: "Changed",
+  reset: "Reset",
+  cut: "Cut",
+  bridge: "Bridged",
+  drop: "Removed",
+  label: "Labelled",
+};
 
 /** @param {number | null} chi2 */
 export function chi2Text(chi2) {

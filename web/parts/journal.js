@@ -16,6 +16,7 @@ import { useChanged, useFetched } from "./use.js";
 
 /** Of one batch so many loops are named; the rest is behind a fold. */
 const MOST_NAMED = 4;
+const VERDICTS = ["approve", "reject", "add", "undo", "redo"];
 
 /** @param {{map: string, quiet: boolean}} props quiet: what the last decision did is said elsewhere */
 export function Journal({ map, quiet }) {
@@ -49,7 +50,7 @@ function Batch({ batch }) {
   const actions = [...new Set(batch.map(({ action }) => PAST[action] ?? action))].join(", ");
   return html`<li class=${undone ? "undone" : ""}>
     <div>
-      <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} loops` : ""}</b>
+      <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} ${batch.every(({ action }) => VERDICTS.includes(action)) ? "loops" : "entries"}` : ""}</b>
       ${batch.length === 1 && name(first)}
       <span class="quiet grow right small" title=${new Date(first.time * 1000).toLocaleString()}>${first.author} · ${text.ago(first.time)}${undone ? " · undone" : ""}</span>
     </div>
@@ -63,6 +64,7 @@ function Batch({ batch }) {
 
 /** @param {Entry} entry */
 function name({ id, from_id: from, to_id: to }) {
+  if (from === to) return html`<a key=${id} href=${link({ view: "nodes", key: from })}>node ${from}</a>`;
   return html`<a key=${id} href=${link({ view: "loops", key: `${from}-${to}`, query: { tab: "journal" } })}>${from} → ${to}</a>`;
 }
 

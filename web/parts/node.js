@@ -9,6 +9,7 @@ import { Facts } from "./facts.js";
 import { Faults } from "./faults.js";
 import { NodeImages } from "./node_images.js";
 import { LinkName } from "./link_name.js";
+import { NodeEdit } from "./node_edit.js";
 import { Poses } from "./pose.js";
 import { Sensors } from "./sensors.js";
 import { Failed, Loading } from "./state.js";
@@ -33,6 +34,7 @@ export function NodeInspector({ map, id }) {
     </header>
     <div class="inspector-body">
       ${h(NodeImages, { map, node })} ${node.faults.length > 0 && h(Faults, { faults: node.faults })}
+      ${h(NodeEdit, { node, onDone: reload })}
       ${h(Facts, {
         facts: [
           ["Time", text.clock(node.stamp)],

@@ -12,7 +12,9 @@ import { graphRevision, inForce } from "../store.js";
 import { BulkBar } from "../parts/bulk.js";
 import { EffectLine, lockReason } from "../parts/decision_bar.js";
 import { Journal } from "../parts/journal.js";
+import { Jobs } from "../parts/jobs.js";
 import { LinkEvidence } from "../parts/link.js";
+import { LinkTool } from "../parts/link_tool.js";
 import { LoopFilter } from "../parts/loop_filter.js";
 import { loopColumns } from "../parts/loop_columns.js";
 import { Empty, Failed, Loading } from "../parts/state.js";
@@ -27,6 +29,8 @@ const order = remembered("loop-order", "-doubt");
 const TABS = [
   ["", "Queue"],
   ["what-if", "What if"],
+  ["link", "Link"],
+  ["jobs", "Bulk"],
   ["journal", "Journal"],
 ];
 
@@ -44,7 +48,7 @@ export function Loops() {
   const rows = list.rows({ ...filter, order: order.value });
   const key = route.value.key;
   const selected = rows.findIndex((row) => row.key === key || `${row.to}-${row.from}` === key);
-  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key, query: tabQuery(tab) });
+  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key, query: tab ? { tab } : {} });
   const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
   const reload = () => list.pull({ all: true });
   const answer = async (/** @type {"undo" | "redo"} */ action) => void (!lockReason() && (await decide({ action })) && reload());
@@ -55,12 +59,19 @@ export function Loops() {
       <h2>Loop closures</h2>
       <span class="quiet grow">${list.byKey.size ? text.whole(list.byKey.size) : ""}</span>
       <nav class="tabs" aria-label="Loops">
-        ${TABS.map(([name, label]) => html`<a key=${name} href=${link({ view: "loops", key, query: tabQuery(name) })} aria-current=${name === tab ? "true" : undefined}>${label}</a>`)}
+        ${TABS.map(([name, label]) => html`<a key=${name} href=${tabLink(name, key)} aria-current=${name === tab ? "true" : undefined}>${label}</a>`)}
       </nav>
     </div>
-    ${tab === "journal" ? h(Journal, { map, quiet: Boolean(key) }) : tab === "what-if" ? h(WhatIfPanel, { map, selected: key }) : queue()}
+    ${part()}
     ${key && h(LinkEvidence, { key, map, link: key, row: rows[selected], onStep: step, onDecided: reload })}
   </div>`;
+
+  function part() {
+    if (tab === "link") return h(LinkTool, { map, onDone: reload });
+    if (tab === "jobs") return h(Jobs, { map });
+    if (tab === "what-if") return h(WhatIfPanel, { map, selected: key });
+    return tab === "journal" ? h(Journal, { map, quiet: Boolean(key) }) : queue();
+  }
 
   function queue() {
     return html`<div class="view-part">
@@ -92,9 +103,16 @@ export function Loops() {
   }
 }
 
-/** @param {string} tab @returns {Record<string, string>} */
-function tabQuery(tab) {
-  return tab ? { tab } : {};
+/** @param {string} tab @param {string | null} key */
+function tabLink(tab, key) {
+  if (tab === "link") return link({ view: "loops", query: ends(key) });
+  return link({ view: "loops", key: tab === "jobs" ? null : key, query: tab ? { tab } : {} });
+}
+
+/** The link tool opens with the link that is shown. @param {string | null} key @returns {Record<string, string>} */
+function ends(key) {
+  const [from, to] = (key ?? "").split("-");
+  return from && to ? { tab: "link", from, to } : { tab: "link" };
 }
 
 function NoLoops() {

@@ -1,0 +1,113 @@
+// Long work on the map: more loops, better links; how far it is, what it says, and taking it back.
+import { useEffect, useState } from "preact/hooks";
+import { h, html } from "../html.js";
+import { author, decide, deciding, told } from "../actions.js";
+import { get, post } from "../api.js";
+import { on } from "../events.js";
+import * as text from "../format.js";
+import { Author } from "./author.js";
+import { Button, Chip } from "./button.js";
+import { effectParts, lockReason } from "./decision_bar.js";
+import { CheckField, GUESSES, METHODS, NumberField, SelectField } from "./inputs.js";
+import { useFetched } from "./use.js";
+
+/** @typedef {import("../store.js").Schemas["Job"]} Job */
+/** @typedef {import("../store.js").Schemas["StartJob"]} StartJob */
+
+const DETECT = { radius_m: "1", angle_deg: "30", iterations: "5", min_graph_distance: "10", method: "visual", guess: "none", intra: true, inter: true };
+const REFINE = { type: "", first: "0", last: "0", method: "visual", covariance_only: false, intra: true, inter: true };
+/** @type {[string, string][]} */
+const TYPES = [["", "all types"], ["Neighbor", "neighbours"], ["GlobalClosure", "global loops"], ["LocalSpaceClosure", "proximity"], ["UserClosure", "by hand"]];
+
+/** @param {{map: string}} props */
+export function Jobs({ map }) {
+  const { data } = useFetched((signal) => get("/api/maps/{map}/job", { path: { map }, signal }), [map]);
+  const [heard, setHeard] = useState(/** @type {Job | null} */ (null));
+  useEffect(() => on("job", (value, of) => of === map && setHeard(value)), [map]);
+  const [kind, setKind] = useState(/** @type {"detect" | "refine"} */ ("detect"));
+  const [detect, setDetect] = useState(DETECT);
+  const [refine, setRefine] = useState(REFINE);
+  const job = heard ?? data.value?.job ?? null;
+  const locked = lockReason();
+  const running = job?.state === "running";
+  const start = async () => {
+    const { type, ...rest } = refine;
+    const body = kind === "detect" ? { detect: numbers(detect) } : { refine: { ...numbers(rest), types: type ? [type] : [] } };
+    const begun = await told(post("/api/maps/{map}/job", { path: { map }, body: /** @type {StartJob} */ ({ ...body, author: author.value.trim() }) }));
+    // The stream may have told of its end already.
+    if (begun) setHeard((last) => (last?.id === begun.id ? last : begun));
+  };
+  const cancel = async () => void (await told(post("/api/maps/{map}/job/cancel", { path: { map }, body: undefined })));
+  return html`<div class="view-part jobs">
+    <div class="form-row" role="group" aria-label="What to do">
+      ${h(Chip, { label: "Detect more loops", on: kind === "detect", onChange: () => setKind("detect") })}
+      ${h(Chip, { label: "Refine links", on: kind === "refine", onChange: () => setKind("refine") })}
+    </div>
+    ${kind === "detect" ? h(DetectForm, { wanted: detect, onChange: setDetect }) : h(RefineForm, { wanted: refine, onChange: setRefine })}
+    <div class="form-row">
+      ${h(Author, {})}<span class="grow"></span>
+      ${h(Button, { id: "job-start", label: "Start", kind: "accent", hint: locked ?? "What it finds is one batch: one undo takes all of it back", disabled: running || !!locked, onClick: () => void start() })}
+    </div>
+    ${job && h(JobPanel, { job, onCancel: cancel })}
+  </div>`;
+}
+
+/** Fields hold text. @template {Record<string, string | boolean>} T @param {T} fields */
+function numbers(fields) {
+  const worth = (/** @type {string | boolean} */ value) => (typeof value === "string" && value.trim() && Number.isFinite(Number(value)) ? Number(value) : value);
+  return Object.fromEntries(Object.entries(fields).map(([name, value]) => [name, worth(value)]));
+}
+
+/** @param {{wanted: typeof DETECT, onChange: (wanted: typeof DETECT) => void}} props */
+function DetectForm({ wanted, onChange }) {
+  const set = (/** @type {Partial<typeof DETECT>} */ change) => onChange({ ...wanted, ...change });
+  return html`<div class="form-row">
+    ${h(NumberField, { label: "Radius (m)", value: wanted.radius_m, hint: "Largest distance of two nodes", onChange: (radius_m) => set({ radius_m }) })}
+    ${h(NumberField, { label: "Angle (°)", value: wanted.angle_deg, hint: "Largest angle between where they look", onChange: (angle_deg) => set({ angle_deg }) })}
+    ${h(NumberField, { label: "Rounds", value: wanted.iterations, step: "1", hint: "Each with the poses of the last", onChange: (iterations) => set({ iterations }) })}
+    ${h(NumberField, { label: "Links apart", value: wanted.min_graph_distance, step: "1", hint: "Fewest links between two nodes of a session", onChange: (min_graph_distance) => set({ min_graph_distance }) })}
+    ${h(SelectField, { label: "by", value: wanted.method, options: METHODS, onChange: (method) => set({ method }) })}
+    ${h(SelectField, { label: "from", value: wanted.guess, options: GUESSES, onChange: (guess) => set({ guess }) })}
+    ${h(Sessions, { wanted, onChange: set })}
+  </div>`;
+}
+
+/** @param {{wanted: typeof REFINE, onChange: (wanted: typeof REFINE) => void}} props */
+function RefineForm({ wanted, onChange }) {
+  const set = (/** @type {Partial<typeof REFINE>} */ change) => onChange({ ...wanted, ...change });
+  return html`<div class="form-row">
+    ${h(SelectField, { label: "Links", value: wanted.type, options: TYPES, onChange: (type) => set({ type }) })}
+    ${h(NumberField, { label: "from node", value: wanted.first, step: "1", onChange: (first) => set({ first }) })}
+    ${h(NumberField, { label: "to node", value: wanted.last, step: "1", hint: "0: to the last", onChange: (last) => set({ last }) })}
+    ${h(SelectField, { label: "by", value: wanted.method, options: METHODS, onChange: (method) => set({ method }) })}
+    ${h(CheckField, { label: "covariances alone", on: wanted.covariance_only, onChange: (covariance_only) => set({ covariance_only }) })}
+    ${h(Sessions, { wanted, onChange: set })}
+  </div>`;
+}
+
+/** @param {{wanted: {intra: boolean, inter: boolean}, onChange: (change: {intra?: boolean, inter?: boolean}) => void}} props */
+function Sessions({ wanted, onChange }) {
+  return html`<span class="form-row">
+    ${h(CheckField, { label: "within a session", on: wanted.intra, onChange: (intra) => onChange({ intra }) })}
+    ${h(CheckField, { label: "between sessions", on: wanted.inter, onChange: (inter) => onChange({ inter }) })}
+  </span>`;
+}
+
+/** @type {Record<Job["state"], string>} */
+const STATES = { running: "At work", done: "Done", cancelled: "Cancelled: the map is as it was", failed: "Failed" };
+
+/** @param {{job: Job, onCancel: () => Promise<void>}} props */
+function JobPanel({ job, onCancel }) {
+  const { state, share, log, message, decision } = job;
+  return html`<section class="job" aria-label="Job" id="job">
+    <div class="form-row">
+      <b>${STATES[state]}</b>
+      <span class="quiet grow clip small">${message || (log.at(-1) ?? "")}</span>
+      ${state === "running" && h(Button, { id: "job-cancel", label: "Cancel", hint: "The map stays as it was before", onClick: () => void onCancel() })}
+      ${decision && h(Button, { id: "job-undo", label: "Undo", hint: "Take the last decision back: this batch, if nothing was decided since", disabled: deciding.value, onClick: () => void decide({ action: "undo" }) })}
+    </div>
+    <progress max="1" value=${share} aria-label="Done">${text.fixed(100 * share, 0)} %</progress>
+    ${decision && html`<p class="small">${text.plural(decision.count, "link")} ${job.kind === "detect" ? "added" : "refined"}: ${effectParts(decision.effect)}</p>`}
+    ${log.length > 0 && html`<details class="fold"><summary>Log <span class="quiet">${text.whole(log.length)}</span></summary><pre class="job-log small">${log.join("\n")}</pre></details>`}
+  </section>`;
+}
