@@ -45,6 +45,7 @@ def carry(writer: MapWriter, graph: PoseGraph, readers: Sequence[MapReader], ids
     for file, reader in enumerate(readers):
         for entry in _made_by_hand(reader):
             _decide(writer, graph, file, reader, entry, ids, done)
+        done.lost += _edited_odometry(reader)
     labels = _labels(readers, ids, done)
     writer.label_nodes(labels)
     done.labels = len(labels)
@@ -53,13 +54,32 @@ def carry(writer: MapWriter, graph: PoseGraph, readers: Sequence[MapReader], ids
 
 def _made_by_hand(reader: MapReader) -> list[JournalEntry]:
     """The last decision about each pair that stands, and the links by hand that no journal knows (RTAB-Map's)."""
-    now = {link.pair: link for link in reader.links() if link.type is LinkType.USER_CLOSURE}
+    all_links = {link.pair: link for link in reader.links()}
+    now = {pair: link for pair, link in all_links.items() if link.type is LinkType.USER_CLOSURE}
     last = {e.pair: e for e in reader.journal() if e.action in VERDICTS and e.undone_by is None}
     # A link by hand that was edited afterwards is what it is now.
     last |= {pair: replace(e, link_after=now[pair]) for pair, e in last.items() if e.action == "add" and pair in now}
+    for entry in _edits(reader):
+        # A loop of the engine that was edited or refined is taken over as it is now.
+        if entry.pair not in last and entry.pair in all_links and all_links[entry.pair].type.is_loop:
+            last[entry.pair] = replace(entry, action="add", link_after=all_links[entry.pair])
     links = [link for pair, link in now.items() if pair not in last]
     entries = [JournalEntry(action="add", from_id=k.from_id, to_id=k.to_id, link_after=k) for k in links]
     return [*entries, *sorted(last.values(), key=lambda entry: entry.id)]
+
+
+def _edits(reader: MapReader) -> list[JournalEntry]:
+    """Edits of links that stand."""
+    return [entry for entry in reader.journal() if entry.action in ("refine", "edit") and entry.undone_by is None]
+
+
+def _edited_odometry(reader: MapReader) -> list[str]:
+    """What is not done again: a replay has odometry as it was measured."""
+    steps = {link.pair for link in reader.links() if not link.type.is_loop}
+    found = sorted({(entry.action, entry.pair) for entry in _edits(reader) if entry.pair in steps})
+    return [
+        f"{action} {a}-{b} of {reader.path.name}: odometry is replayed as it was measured" for action, (a, b) in found
+    ]
 
 
 def _decide(

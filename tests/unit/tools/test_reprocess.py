@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from dataclasses import replace
 from pathlib import Path
 from shutil import copyfile
 
@@ -170,3 +171,23 @@ def test_no_output_is_overwritten_and_no_input_touched(tmp_path: Path) -> None:
     assert source.read_bytes() == before
     again(source, tmp_path, force=True)
     assert [path.name for path in tmp_path.iterdir()] == ["again.db"]
+
+
+def test_an_edited_loop_is_taken_over_and_an_edited_step_is_named(tmp_path: Path) -> None:
+    source = tmp_path / "edited.db"
+    copyfile(saved(0), source)
+    old = MapReader(source)
+    first, last = min(old.poses()), max(old.poses())
+    loop = replace(hand_link(old, last, first), type=LinkType.GLOBAL_CLOSURE)
+    step = next(link for link in old.links() if link.pair == (first, first + 1))
+    with MapWriter.open(source) as writer:
+        for action, before, after in (("refine", None, loop), ("edit", step, step)):
+            entry = JournalEntry(
+                action=action, from_id=after.from_id, to_id=after.to_id, link_before=before, link_after=after
+            )
+            remove = [] if before is None else [(before.from_id, before.to_id)]
+            writer.append_decision(entry, add=[after], remove=remove, poses={})
+    new, summary = again(source, tmp_path)
+    carried = {link.pair: link for link in new.links() if link.type is LinkType.USER_CLOSURE}
+    np.testing.assert_allclose(carried[loop.pair].T_from_to, loop.T_from_to, atol=1e-6)
+    assert summary["lost"] == [f"edit {first}-{first + 1} of edited.db: odometry is replayed as it was measured"]
