@@ -6,9 +6,11 @@ import threading
 from pathlib import Path
 
 from server.browse.increments import Increments
+from server.browse.moves import moves_of_states
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
+from server.browse.timeline import Timeline
 from server.browse.trials import LoopTrials
 from server.catalog import MapFile
 from slam.database import Faults, MapReader
@@ -38,6 +40,7 @@ class MapView:
         self._print: Fingerprint = ()
         self._revision = 0
         self._snapshot: Snapshot | None = None
+        self._timeline: Timeline | None = None
         # Of updates, which are read once.
         self._faults: Faults = {}
 
@@ -54,6 +57,19 @@ class MapView:
             self._snapshot = Snapshot(self.reader, self._revision, self._tiers.read(self._faults), self._faults)
             self._print = now
             return self._snapshot
+
+    def timeline(self) -> Timeline:
+        """The updates that led to what the file holds now."""
+        snapshot, known = self.snapshot(), self._timeline
+        if known is not None and known.snapshot is snapshot:
+            return known
+        with self._lock:
+            recorded = self._tiers.moves()
+        measured = self.statistics.table()
+        earlier = moves_of_states(self.reader, measured, recorded[0].id if recorded else None, self._faults)
+        made = Timeline(snapshot, [*earlier, *recorded], measured)
+        self._timeline = made
+        return made
 
     def touch(self) -> int:
         """Somebody wrote the file, perhaps so soon after the last time that its clock does not show it.

@@ -69,6 +69,8 @@ class MapScene:
                 state.layers = SceneLayers(**layers)
             state.colour = change.colour if change.colour is not None else state.colour
             state.dark = change.dark if change.dark is not None else state.dark
+            if "at" in named:
+                state.at = change.at
             if "selected_node" in named:
                 state.selected_node = change.selected_node
                 if change.selected_node is not None:
@@ -99,8 +101,10 @@ class MapScene:
         pose, self._pose = self._pose, None
         if self._stale.is_set():
             self._stale.clear()
-            self._painter.draw(self.view.snapshot(), self.state())
-        if pose is not None:
+            state = self.state()
+            moment = None if state.at is None else self.view.timeline().moment(state.at)
+            self._painter.draw(self.view.snapshot(), state, moment)
+        if pose is not None and self._state.at is None:
             self._painter.move(pose)
 
     def _work(self) -> None:

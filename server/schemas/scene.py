@@ -33,6 +33,8 @@ class Scene(Schema):
     dark: bool = True
     selected_node: int | None = None
     selected_link: Pair | None = None
+    at: int | None = None
+    """The node of the update that is shown; null for the map as it is now."""
 
 
 class LayerChange(Schema):
@@ -48,10 +50,11 @@ class LayerChange(Schema):
 
 
 class SceneChange(Schema):
-    """What to change; what is left out stays, null deselects."""
+    """What to change; what is left out stays, null deselects, and as ``at`` goes back to now."""
 
     layers: LayerChange | None = None
     colour: Colouring | None = None
     dark: bool | None = None
     selected_node: int | None = None
     selected_link: Pair | None = None
+    at: Annotated[int, Field(ge=1)] | None = None
