@@ -25,6 +25,7 @@ import { drawGuides } from "./chart_guides.js";
  * @property {Threshold[]} [thresholds]
  * @property {Mark[]} [marks] small triangles at the top
  * @property {boolean} [stems] a stem as high as its value under each mark
+ * @property {number | null} [shown] x of the moment that is shown
  * @property {boolean} [time] x is seconds, not ids
  * @property {boolean} [fromZero]
  * @property {(index: number) => void} [onPick] a click on a row
@@ -53,6 +54,7 @@ export function Chart(props) {
 
   const guides = JSON.stringify([props.thresholds, props.marks?.length]);
   useEffect(() => void (plot.current && feed(plot.current, props, zoomed)), [props.revision, props.x, shape, guides]);
+  useEffect(() => plot.current?.redraw(false, false), [props.shown]);
   return html`<div class="chart" ref=${box} role="img" aria-label=${props.label}></div>`;
 }
 

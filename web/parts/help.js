@@ -7,6 +7,7 @@ import { Button } from "./button.js";
 const KEYS = /** @type {[string, [string, string][]][]} */ ([
   ["Page", [["Ctrl K", "search or command"], ["1 … 5", "maps, nodes, loops, params, stats"], ["T", "light or dark"], ["?", "this list"]]],
   ["Run", [["Space", "pause or resume"], [".", "one frame"]]],
+  ["Timeline", [["← →", "previous, next update"], ["Shift ← →", "previous, next event"], ["P", "play or pause"], ["N", "now"]]],
   ["Loops", [["J / K", "next, previous"], ["A", "approve"], ["R", "reject"], ["U", "undo the last decision"], ["E", "larger images"]]],
   ["Tables", [["↑ ↓", "next, previous row"], ["Home End", "first, last row"]]],
   ["Areas", [["← →  ↑ ↓", "resize, on a focused bar"]]],

@@ -2,26 +2,29 @@
 import { useEffect, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import * as text from "../format.js";
-import { go } from "../router.js";
+import { after, goTo, pause } from "../moment.js";
+import { moment } from "../router.js";
 import { columns, inForce } from "../store.js";
 import { Chart } from "./chart.js";
 import { LTM, STM, WM } from "./legend.js";
 
 export const TIME = "Timing/Total/ms";
 export const HYPOTHESIS = "Loop/Highest_hypothesis_value/";
+const BEST = "Loop/Highest_hypothesis_id/";
 const ACCEPTED = "Loop/Accepted_hypothesis_id/";
 const NEAR = "Proximity/Space_last_detection_id/";
-const NAMES = [TIME, STM, WM, LTM, HYPOTHESIS, ACCEPTED, NEAR];
+const NAMES = [TIME, STM, WM, LTM, HYPOTHESIS, BEST, ACCEPTED, NEAR];
 
 /** @typedef {import("../columns.js").Columns} Columns */
 
 export function Strip() {
   const data = columns.value;
-  const [at, setAt] = useState(/** @type {number | null} */ (null));
+  const [under, setUnder] = useState(/** @type {number | null} */ (null));
   useEffect(() => data?.want(NAMES), [data]);
   if (!data) return null;
   void data.revision.value;
-  const props = { data, at, marks: closures(data), onCursor: setAt };
+  const at = under ?? (moment.value === null ? null : after(data.ids, moment.value) - 1);
+  const props = { data, at, marks: closures(data), onCursor: setUnder };
   return html`<section class="strip" aria-label="Live charts">
     ${h(TimeChart, props)}${h(MemoryChart, props)}${h(HypothesisChart, props)}
   </section>`;
@@ -30,7 +33,7 @@ export function Strip() {
 /**
  * @typedef {object} StripProps
  * @property {Columns} data
- * @property {number | null} at row under the cursor
+ * @property {number | null} at row under the cursor, else of the moment that is shown
  * @property {import("./chart.js").Mark[]} marks
  * @property {(index: number | null) => void} onCursor
  */
@@ -86,11 +89,13 @@ function MemoryChart({ data, at, marks, onCursor }) {
 /** @param {StripProps} props */
 function HypothesisChart({ data, at, marks, onCursor }) {
   const threshold = Number(inForce("Rtabmap/LoopThr") ?? 0);
+  const best = valueAt(data, BEST, at);
   return h(StripChart, {
     data,
     title: "Hypothesis",
     value: text.fixed(valueAt(data, HYPOTHESIS, at), 2),
     notes: [
+      best ? html`<span title="The most probable place">of ${text.whole(best)}</span>` : "",
       html`<span class="ink-warn">LoopThr ${text.short(threshold)}</span>`,
       html`<span class="ink-loop" title="Nodes at which a loop was closed">▾ ${text.whole(marks.length)}</span>`,
     ],
@@ -131,7 +136,8 @@ function StripChart({ data, title, value, notes, lines, names, thresholds, marks
       marks,
       stems,
       onCursor,
-      onPick: (index) => go({ view: "nodes", key: data.ids[index] }),
+      shown: moment.value,
+      onPick: (index) => (pause(), goTo(data.ids[index])),
     })}
   </figure>`;
 }

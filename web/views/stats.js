@@ -4,7 +4,8 @@ import { h, html } from "../html.js";
 import { get } from "../api.js";
 import * as text from "../format.js";
 import { remembered } from "../prefs.js";
-import { go, openMapId, route } from "../router.js";
+import { after } from "../moment.js";
+import { go, moment, openMapId, route } from "../router.js";
 import { columns } from "../store.js";
 import { Button, Chip } from "../parts/button.js";
 import { Chart } from "../parts/chart.js";
@@ -78,7 +79,8 @@ function StatChart({ data, name, token, at, onCursor, onRemove }) {
   const known = column.filter((value) => value !== null);
   const start = data.stamps[0] ?? 0;
   const time = overTime.value;
-  const row = at ?? data.ids.length - 1;
+  const shown = moment.value === null ? null : after(data.ids, moment.value) - 1;
+  const row = at ?? shown ?? data.ids.length - 1;
   return html`<figure class="stat-chart">
     <figcaption>
       <b class="clip" title=${name}>${name}</b>
@@ -94,6 +96,7 @@ function StatChart({ data, name, token, at, onCursor, onRemove }) {
       columns: [column],
       revision: data.revision.value,
       time,
+      shown: shown === null ? null : time ? data.stamps[shown] - start : data.ids[shown],
       onCursor,
       onPick: (index) => go({ view: "nodes", key: data.ids[index] }),
     })}
