@@ -3,6 +3,7 @@ import { computed, effect, signal, untracked } from "@preact/signals";
 import { setScene } from "./actions.js";
 import { get } from "./api.js";
 import { openings } from "./events.js";
+import { latest } from "./latest.js";
 import { remembered } from "./prefs.js";
 import { keepMoment, moment, openMapId } from "./router.js";
 import { columns, graphRevision, scene } from "./store.js";
@@ -96,22 +97,12 @@ export async function load() {
   }
 }
 
-let sending = false;
+const send = latest((/** @type {number | null} */ at) => setScene({ at }));
 
-/** The 3D view follows; while one change is on its way the next ones wait, and the last of them counts. */
+/** The 3D view follows. A refusal is told, and not tried again before something changes. */
 function show() {
   const now = scene.value;
-  if (now && now.at !== moment.value) untracked(() => void send());
-}
-
-async function send() {
-  if (sending) return;
-  sending = true;
-  const sent = moment.value;
-  await setScene({ at: sent });
-  sending = false;
-  // A refusal was told, and is not tried again.
-  if (moment.value !== sent) show();
+  if (now && now.at !== moment.value) untracked(() => void send(moment.value));
 }
 
 /** Show the map after the update of a node, or as it is now. @param {number | null} at */

@@ -88,7 +88,8 @@ function options(box, latest, setZoomed) {
     ...room(box),
     padding: [6, 8, 0, 0],
     legend: { show: false },
-    cursor: { sync: { key: CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
+    // Seconds and node ids don't share a cursor.
+    cursor: { sync: { key: time ? `${CURSOR} time` : CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
     scales: { x: { time: false }, y: { range: (_, low, high) => yRange(low, high, fromZero, latest.current) } },
     axes: [
       { ...axis, size: 18, gap: 2, grid: { show: false }, ticks: { show: false }, values: time ? seconds : undefined },

@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import * as text from "../format.js";
 import { after, goTo, pause } from "../moment.js";
+import { hovered } from "../picking.js";
 import { moment } from "../router.js";
 import { columns, inForce } from "../store.js";
 import { Chart } from "./chart.js";
@@ -24,10 +25,15 @@ export function Strip() {
   if (!data) return null;
   void data.revision.value;
   const at = under ?? (moment.value === null ? null : after(data.ids, moment.value) - 1);
-  const props = { data, at, marks: closures(data), onCursor: setUnder };
+  const props = { data, at, marks: closures(data), onCursor: (/** @type {number | null} */ row) => (setUnder(row), point(data, row)) };
   return html`<section class="strip" aria-label="Live charts">
     ${h(TimeChart, props)}${h(MemoryChart, props)}${h(HypothesisChart, props)}
   </section>`;
+}
+
+/** Mark the node of a row in 3D. @param {Columns} data @param {number | null} row */
+export function point(data, row) {
+  hovered.value = row === null ? null : (data.ids[row] ?? null);
 }
 
 /**
