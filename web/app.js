@@ -11,10 +11,12 @@ import { Rail } from "./parts/rail.js";
 import { SceneView } from "./parts/scene.js";
 import { Splitter } from "./parts/splitter.js";
 import { Strip } from "./parts/strip.js";
+import { TimelineBar } from "./parts/timeline.js";
 import { TopBar } from "./parts/topbar.js";
 import { remembered } from "./prefs.js";
 import { route, startRouter } from "./router.js";
 import { startLanding } from "./landing.js";
+import { startMoment } from "./moment.js";
 import { startPicking } from "./picking.js";
 import { startStore } from "./store.js";
 import { startTheme } from "./theme.js";
@@ -56,6 +58,7 @@ function Middle() {
       ${h(Splitter, { label: "Height of the charts", orientation: "horizontal", size: stripHeight, min: 90, max: () => innerHeight * 0.5 })}
       ${h(Strip, {})}
     </div>
+    ${h(TimelineBar, {})}
     ${h(Splitter, { label: "Width of the panel", orientation: "vertical", size: panelWidth, min: 380, max: () => innerWidth * 0.6 })}
   </section>`;
 }
@@ -63,6 +66,7 @@ function Middle() {
 startTheme();
 startRouter();
 startStore();
+startMoment();
 startLanding();
 startPicking();
 startWeights();

@@ -2,6 +2,7 @@
 import { command, setScene } from "./actions.js";
 import { address } from "./api.js";
 import * as text from "./format.js";
+import { KINDS, goTo, jump, kind, now, pause, timeline, togglePlay } from "./moment.js";
 import { showHelp } from "./parts/help.js";
 import { ENTRIES } from "./parts/rail.js";
 import { go, openMapId } from "./router.js";
@@ -35,13 +36,14 @@ function byNumber(query) {
   const ids = /^\s*(\d+)(?:\s*(?:-|→|to)\s*(\d+))?\s*$/.exec(query);
   if (!ids || !openMapId.value) return [];
   const [, one, other] = ids;
+  const at = timeline.value?.ids.includes(Number(one)) ? [{ kind: "time", label: `Moment of node ${one}`, detail: "timeline", run: () => (pause(), goTo(Number(one))) }] : [];
   if (other) return [{ kind: "link", label: `Link ${one} → ${other}`, detail: "", run: () => go({ view: "loops", key: `${one}-${other}` }) }];
-  return [{ kind: "node", label: `Node ${one}`, detail: "", run: () => go({ view: "nodes", key: one }) }];
+  return [{ kind: "node", label: `Node ${one}`, detail: "", run: () => go({ view: "nodes", key: one }) }, ...at];
 }
 
 /** @returns {Command[]} */
 function everything() {
-  return [...viewCommands(), ...runCommands(), ...layerCommands(), ...mapCommands(), ...parameterCommands(), ...exportCommands(), ...pageCommands()];
+  return [...viewCommands(), ...runCommands(), ...timelineCommands(), ...layerCommands(), ...mapCommands(), ...parameterCommands(), ...exportCommands(), ...pageCommands()];
 }
 
 /** @returns {Command[]} */
@@ -63,6 +65,22 @@ function runCommands() {
     { kind: "run", label: paused ? "Resume" : "Pause", detail: "Space", run: () => void command(paused ? "resume" : "pause") },
     { kind: "run", label: "Step", detail: ".", run: () => void command("step") },
     { kind: "run", label: "Stop", detail: "", run: () => void command("stop") },
+  ];
+}
+
+/** @returns {Command[]} */
+function timelineCommands() {
+  const updates = timeline.value;
+  if (!updates?.ids.length) return [];
+  const first = updates.ids[0];
+  return [
+    { kind: "time", label: "Play the map from here", detail: "P", run: togglePlay },
+    { kind: "time", label: "Go back to now", detail: "N", run: now },
+    { kind: "time", label: "Go to the first update", detail: `node ${first}`, run: () => (pause(), goTo(first)) },
+    ...KINDS.filter(([name]) => updates.events.some((one) => one.kind === name)).flatMap(([name, label]) => [
+      { kind: "time", label: `Next ${label.toLowerCase()}`, detail: "Shift →", run: () => ((kind.value = name), void jump(1)) },
+      { kind: "time", label: `Previous ${label.toLowerCase()}`, detail: "Shift ←", run: () => ((kind.value = name), void jump(-1)) },
+    ]),
   ];
 }
 

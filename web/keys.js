@@ -1,6 +1,7 @@
 // The keyboard: keys of the page, and those that a view adds while it is on screen.
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { command } from "./actions.js";
+import { jump, now, step, togglePlay } from "./moment.js";
 import { showHelp } from "./parts/help.js";
 import { ENTRIES } from "./parts/rail.js";
 import { openPalette } from "./parts/palette.js";
@@ -31,7 +32,7 @@ export function startKeys() {
   addEventListener("keydown", (event) => {
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "k") return act(event, () => openPalette());
     if (event.ctrlKey || event.metaKey || event.altKey || isTaken(event)) return undefined;
-    return act(event, find(event.key));
+    return act(event, find(event.shiftKey && event.key.startsWith("Arrow") ? `Shift+${event.key}` : event.key));
   });
 }
 
@@ -59,6 +60,14 @@ function pageKeys() {
   const runs = state === "running" || state === "paused";
   return {
     t: toggleTheme,
+    ...(openMapId.value && {
+      arrowleft: () => step(-1),
+      arrowright: () => step(1),
+      "shift+arrowleft": () => void jump(-1),
+      "shift+arrowright": () => void jump(1),
+      p: togglePlay,
+      n: now,
+    }),
     "?": showHelp,
     ...(runs && { " ": () => void command(state === "paused" ? "resume" : "pause"), ".": () => void command("step") }),
   };
@@ -68,6 +77,7 @@ function pageKeys() {
 function isTaken({ target, key }) {
   if (document.querySelector("dialog[open]")) return true;
   if (!(target instanceof HTMLElement)) return false;
-  if (target.closest("button, a, summary, [type=checkbox], [type=range]")) return key === " " || key === "Enter";
+  if (target.closest("[role=separator], [type=range]")) return key === " " || key === "Enter" || key.startsWith("Arrow");
+  if (target.closest("button, a, summary, [type=checkbox]")) return key === " " || key === "Enter";
   return ["INPUT", "SELECT", "TEXTAREA"].includes(target.tagName);
 }

@@ -1,18 +1,26 @@
 // Keeps the selection of the tables and of the 3D view the same.
-import { effect } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { setScene } from "./actions.js";
 import { on } from "./events.js";
+import { latest } from "./latest.js";
 import { go, openMapId, route } from "./router.js";
 import { selection } from "./store.js";
 import { pickEnd } from "./parts/link_tool.js";
 
 /** @typedef {{kind: "node" | "link", ids: number[]}} Picked */
 
+/** @type {import("@preact/signals").Signal<number | null>} the node of the row under the pointer in a chart */
+export const hovered = signal(null);
+
+const mark = latest(setScene);
+
 export function startPicking() {
   on("selection", (value, map) => map === openMapId.value && show(value));
+  let marked = false;
   effect(() => {
-    const now = selection.value;
-    if (now) queueMicrotask(() => void setScene(highlight(now)));
+    const now = hovered.value === null ? selection.value : { kind: /** @type {const} */ ("node"), id: hovered.value };
+    if (now || marked) queueMicrotask(() => void mark(highlight(now)));
+    marked = now !== null;
   });
 }
 
@@ -25,8 +33,9 @@ function show({ kind, ids }) {
   else go({ view: "loops", key: ids.join("-") });
 }
 
-/** @param {import("./store.js").Selection} now */
+/** @param {import("./store.js").Selection | null} now @returns {import("./store.js").Schemas["SceneChange"]} */
 function highlight(now) {
+  if (!now) return { selected_node: null, selected_link: null };
   if (now.kind === "node") return { selected_node: now.id, selected_link: null };
   return { selected_node: null, selected_link: [now.from, now.to] };
 }

@@ -1,5 +1,5 @@
-// The address of what is on screen: #/map/<id>/<view>/<key>?query. Every view reopens from its link.
-import { computed, signal } from "@preact/signals";
+// The address of what is on screen: #/map/<id>/<view>/<key>?query. Every view reopens from its link, and so does a moment.
+import { batch, computed, signal } from "@preact/signals";
 
 /** @typedef {"maps" | "nodes" | "loops" | "params" | "stats"} View */
 /** @typedef {{map: string | null, view: View, key: string | null, query: URLSearchParams}} Route */
@@ -12,9 +12,26 @@ const hash = signal(location.hash);
 /** @type {import("@preact/signals").ReadonlySignal<Route>} */
 export const route = computed(() => parse(hash.value));
 export const openMapId = computed(() => route.value.map);
+/** The node whose update is shown, null for the map as it is now: a part of every link within its map. */
+export const moment = signal(momentIn(location.hash));
 
 export function startRouter() {
-  addEventListener("hashchange", () => (hash.value = location.hash));
+  addEventListener("hashchange", () => arrive(location.hash));
+}
+
+/** @param {string} text */
+function arrive(text) {
+  batch(() => {
+    hash.value = text;
+    moment.value = momentIn(text);
+  });
+}
+
+/** @param {string} text @returns {number | null} */
+function momentIn(text) {
+  const { map, query } = parse(text);
+  const at = Number(query.get("at"));
+  return map && Number.isInteger(at) && at > 0 ? at : null;
 }
 
 /** @param {string} text @returns {Route} */
@@ -45,8 +62,10 @@ export function link(to) {
   const view = to.view ?? route.value.view;
   const parts = map ? ["map", map, view] : ["maps"];
   if (map && to.key !== undefined && to.key !== null) parts.push(String(to.key));
-  const query = new URLSearchParams(to.query).toString();
-  return `#/${parts.map(encodeURIComponent).join("/")}${query ? `?${query}` : ""}`;
+  const query = new URLSearchParams(to.query);
+  query.delete("at");
+  if (map && map === openMapId.value && moment.value !== null) query.set("at", String(moment.value));
+  return `#/${parts.map(encodeURIComponent).join("/")}${query.size ? `?${query}` : ""}`;
 }
 
 /**
@@ -58,7 +77,13 @@ export function go(to, { replace = false } = {}) {
   if (target === location.hash) return;
   if (replace) history.replaceState(null, "", target);
   else history.pushState(null, "", target);
-  hash.value = target;
+  arrive(target);
+}
+
+/** Writes the moment into the address of what is on screen. */
+export function keepMoment() {
+  const { key, query } = route.value;
+  go({ key, query: Object.fromEntries(query) }, { replace: true });
 }
 
 /** Whether a route shows something at all; an empty hash leaves the choice to the page. */

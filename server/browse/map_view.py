@@ -7,9 +7,11 @@ from pathlib import Path
 
 from server.browse.beliefs import BeliefLog
 from server.browse.increments import Increments
+from server.browse.moves import moves_of_states
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
+from server.browse.timeline import Timeline
 from server.browse.trials import LoopTrials
 from server.browse.what_if import WhatIfs
 from server.catalog import MapFile
@@ -43,6 +45,7 @@ class MapView:
         self._print: Fingerprint = ()
         self._revision = 0
         self._snapshot: Snapshot | None = None
+        self._timeline: Timeline | None = None
         # Of updates, which are read once.
         self._faults: Faults = {}
 
@@ -61,6 +64,19 @@ class MapView:
             )
             self._print = now
             return self._snapshot
+
+    def timeline(self) -> Timeline:
+        """The updates that led to what the file holds now."""
+        snapshot, known = self.snapshot(), self._timeline
+        if known is not None and known.snapshot is snapshot:
+            return known
+        with self._lock:
+            recorded = self._tiers.moves()
+        measured = self.statistics.table()
+        earlier = moves_of_states(self.reader, measured, recorded[0].id if recorded else None, self._faults)
+        made = Timeline(snapshot, [*earlier, *recorded], measured)
+        self._timeline = made
+        return made
 
     def touch(self) -> int:
         """Somebody wrote the file, perhaps so soon after the last time that its clock does not show it.

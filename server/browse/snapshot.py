@@ -189,9 +189,12 @@ class Snapshot:
     @cached_property
     def candidates(self) -> dict[Pair, CandidateRow]:
         """The last word about each pair that was looked at as a loop."""
-        return {
-            _pair(row.candidate.from_id, row.candidate.to_id): row for row in self.reader.candidates(faults=self.faults)
-        }
+        return {_pair(row.candidate.from_id, row.candidate.to_id): row for row in self.candidate_rows}
+
+    @cached_property
+    def candidate_rows(self) -> list[CandidateRow]:
+        """All that was ever said of pairs as loops, oldest first."""
+        return self.reader.candidates(faults=self.faults)
 
     @cached_property
     def journal(self) -> list[JournalEntry]:

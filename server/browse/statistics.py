@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from server.browse.columns import number_list
 from server.errors import NotFoundError
 from server.schemas import Hypothesis, Statistics
-from slam.database import Faults, MapReader
+from slam.database import Faults, MapReader, StatisticsTable
 
 
 class StatisticsLog:
@@ -45,6 +45,12 @@ class StatisticsLog:
                 stamps=self._stamps[start:].tolist(),
                 values={name: number_list(self._column(name)[start:]) for name in names},
             )
+
+    def table(self) -> StatisticsTable:
+        """All updates with all they measured."""
+        with self._lock:
+            self._read_on()
+            return StatisticsTable(ids=self._ids, stamps=self._stamps, values=self._values)
 
     def _column(self, name: str) -> NDArray[np.float64]:
         return self._values.get(name, np.full(len(self._ids), np.nan))

@@ -1,4 +1,4 @@
-"""Statistics of a map's updates."""
+"""A map's updates, what happened in them and what they measured."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
+from server.browse.events import updates
 from server.browse.statistics import hypothesis
 from server.routes.access import NodeId, ViewDep
-from server.schemas import Hypothesis, StatisticNames, Statistics
+from server.schemas import Hypothesis, StatisticNames, Statistics, TimelineUpdates
 
 router = APIRouter(prefix="/api/maps/{map}", tags=["statistics"])
 
@@ -33,3 +34,9 @@ def list_statistic_names(view: ViewDep) -> StatisticNames:
 def get_hypothesis(view: ViewDep, node_id: NodeId) -> Hypothesis:
     """The belief over places after the update of a node."""
     return hypothesis(view.reader, node_id)
+
+
+@router.get("/timeline")
+def get_timeline(view: ViewDep) -> TimelineUpdates:
+    """All updates with what happened in them."""
+    return updates(view.timeline())

@@ -39,12 +39,23 @@ class CloudLayer:
         self._unusable: set[int] = set()
         self._with_images: frozenset[int] = frozenset()
         self._visible = True
+        self._until: int | None = None
 
     def draw(
-        self, graph: PlacedGraph, with_images: Collection[int], with_scans: Collection[int] = (), *, visible: bool
+        self,
+        graph: PlacedGraph,
+        with_images: Collection[int],
+        with_scans: Collection[int] = (),
+        *,
+        visible: bool,
+        until: int | None = None,
     ) -> None:
-        """Move what is there to where the nodes are now, and choose which clouds are missing."""
+        """Move what is there to where the nodes are now, and choose which clouds are missing.
+
+        Those of nodes after ``until`` are kept, but not shown.
+        """
         self._visible = visible
+        self._until = until
         self._with_images = frozenset(with_images)
         self._choice.update(graph, {*with_images, *with_scans})
         self._poses = {node_id: graph.T_map[graph.rows[node_id]] for node_id in self._choice.ids}
@@ -54,7 +65,7 @@ class CloudLayer:
         for node_id, handle in self._handles.items():
             T_map_base = self._poses[node_id]
             handle.wxyz, handle.position = wxyz(T_map_base), T_map_base[:3, 3]
-            handle.visible = visible
+            handle.visible = self._is_visible(node_id)
 
     @property
     def missing(self) -> list[int]:
@@ -88,8 +99,11 @@ class CloudLayer:
             point_shading="flat",
             wxyz=wxyz(T_map_base),
             position=T_map_base[:3, 3],
-            visible=self._visible,
+            visible=self._is_visible(node_id),
         )
+
+    def _is_visible(self, node_id: int) -> bool:
+        return self._visible and (self._until is None or node_id <= self._until)
 
     def sample(self) -> NDArray[np.float64]:
         """Some points (N, 3) of all clouds sent so far, in the map frame."""

@@ -12,7 +12,7 @@ from server.browse.snapshot import Pair
 from server.scene.batched import Batch
 from server.scene.colours import Theme
 from server.scene.lines import Lines
-from server.scene.placed import LinkKind, PlacedGraph
+from server.scene.placed import LOOPS, LinkKind, PlacedGraph
 from server.scene.shapes import icosphere
 from server.scene.tone import Rgb
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.USER, LinkKind.REFUSED)
 _THICKNESS_PX = {
     LinkKind.NEIGHBOR: 1.5,
     LinkKind.VIRTUAL: 1.0,
@@ -46,14 +45,14 @@ class LinkLayer:
         self._on_click = on_click
         self._graph: PlacedGraph | None = None
         self._lines = {kind: Lines(scene, f"/graph/{kind.value}", _THICKNESS_PX[kind]) for kind in LinkKind}
-        self._knots = {kind: Batch(scene, f"/graph/knots/{kind.value}", self._picker(kind)) for kind in _LOOPS}
+        self._knots = {kind: Batch(scene, f"/graph/knots/{kind.value}", self._picker(kind)) for kind in LOOPS}
 
     def draw(self, graph: PlacedGraph, radius: float, look: Theme, *, visible: bool) -> None:
         """Show the links as they are now; ``radius`` is that of the nodes."""
         self._graph = graph
         for kind, rows in graph.links.items():
             ends, rgb = graph.positions[rows], colour(kind, look)
-            if kind not in _LOOPS:
+            if kind not in LOOPS:
                 self._lines[kind].draw(ends, rgb, visible=visible)
                 continue
             arcs = arc(ends, radius, _steps(kind, len(rows)))

@@ -25,8 +25,10 @@ class NewestLayer:
         self._scene = scene
         self._frustum: CameraFrustumHandle | None = None
 
-    def draw(self, graph: PlacedGraph, size: float, look: Theme, *, visible: bool) -> None:
-        """Show it where the newest node is now, ``size`` metres large."""
+    def draw(
+        self, graph: PlacedGraph, size: float, look: Theme, *, visible: bool, T_map_base: Pose | None = None
+    ) -> None:
+        """Show it at a pose, or where the newest node is now, ``size`` metres large."""
         if self._frustum is None:
             fov, aspect = OPENING
             self._frustum = self._scene.add_camera_frustum(
@@ -44,7 +46,7 @@ class NewestLayer:
         frustum.color = for_line(look.newest)
         frustum.scale = size
         if len(graph):
-            self.move(graph.T_map[-1])
+            self.move(graph.T_map[-1] if T_map_base is None else T_map_base)
 
     def move(self, T_map_base: Pose) -> None:
         """Put it there; nothing happens before it was drawn."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from server.browse.snapshot import Pair, Snapshot
+from server.browse.timeline import Moment
 from server.scene.clouds import CloudLayer
 from server.scene.colours import Theme, theme
 from server.scene.floor import FloorLayer, floor_height
@@ -15,6 +17,7 @@ from server.scene.framing import FIELD_OF_VIEW, Framing, frame
 from server.scene.frusta import FrustumLayer
 from server.scene.ghosts import GhostLayer, pairs_of
 from server.scene.highlight import Highlight
+from server.scene.hypothesis import HypothesisLayer
 from server.scene.landmarks import LandmarkLayer
 from server.scene.links import LinkLayer
 from server.scene.measure import Measure
@@ -40,19 +43,30 @@ _NEWEST = 1.5
 _FAR_M = 1000.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Picture:
-    """A map at one moment and how it is to be shown."""
+    """A map and how it is to be shown; with a moment, as it was then."""
 
     snapshot: Snapshot
     graph: PlacedGraph
     state: Scene
     ghosts: LoopWhatIf | None = None
+    moment: Moment | None = None
 
     @property
     def look(self) -> Theme:
         """Its colours."""
         return theme(self.state.dark)
+
+    @cached_property
+    def shown(self) -> PlacedGraph:
+        """The part of the graph that was there."""
+        return self.graph if self.moment is None else self.graph.then(self.moment)
+
+    @property
+    def until(self) -> int | None:
+        """The last node that was there; None for all."""
+        return None if self.moment is None else self.moment.at
 
     @property
     def measure(self) -> Measure:
@@ -73,6 +87,7 @@ class Painter:
         self._floor = FloorLayer(scene)
         self._frusta = FrustumLayer(scene)
         self._newest = NewestLayer(scene)
+        self._hypothesis = HypothesisLayer(scene)
         self._landmarks = LandmarkLayer(scene)
         self._model = ModelLayer(scene)
         self._ghosts = GhostLayer(scene)
@@ -90,11 +105,16 @@ class Painter:
         """Close the port."""
         self._viewer.stop()
 
-    def draw(self, snapshot: Snapshot, state: Scene, ghosts: LoopWhatIf | None = None) -> None:
-        """Show the map as it is now, and ghosts of what it would be; missing clouds come with ``load_some``."""
+    def draw(
+        self, snapshot: Snapshot, state: Scene, ghosts: LoopWhatIf | None = None, moment: Moment | None = None
+    ) -> None:
+        """Show the map as it is now, with ghosts of what it would be, or as it was at a moment.
+
+        Missing clouds come with ``load_some``.
+        """
         before = self._shown
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
-        picture = Picture(snapshot, graph, state, ghosts)
+        picture = Picture(snapshot, graph, state, ghosts if moment is None else None, moment)
         with_images = _with_images(snapshot) if state.layers.cloud else set()
         with_scans = snapshot.reader.nodes_with("scan").tolist() if state.layers.cloud else []
         grid = snapshot.reader.grid() if state.layers.grid else None
@@ -102,9 +122,10 @@ class Painter:
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
             overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
-            self._clouds.draw(graph, with_images, with_scans, visible=state.layers.cloud and not overlaid)
+            visible = state.layers.cloud and not overlaid
+            self._clouds.draw(graph, with_images, with_scans, visible=visible, until=picture.until)
             self._draw_graph(picture)
-            self._highlight.draw(snapshot, graph, *_selection(state), picture.measure, picture.look)
+            self._highlight.draw(snapshot, picture.shown, *_selection(state), picture.measure, picture.look)
             self._model.draw(snapshot.reader, snapshot.revision, visible=state.layers.model)
             self._floor.draw_grid(grid, picture.look, visible=state.layers.grid)
             self._draw_ground(picture)
@@ -132,15 +153,20 @@ class Painter:
         return more
 
     def _draw_graph(self, picture: Picture) -> None:
-        graph, look, layers, measure = picture.graph, picture.look, picture.state.layers, picture.measure
+        graph, moment = picture.shown, picture.moment
+        look, layers, measure = picture.look, picture.state.layers, picture.measure
+        T_map_base = None if moment is None else moment.T_map_base
         self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph)
         going = pairs_of(picture.ghosts, Outcome.GOES)
         self._links.draw(graph.without(going), measure.node, look, visible=layers.graph)
         self._ghosts.draw(graph, picture.ghosts, measure, look, visible=layers.graph)
-        self._paths.draw(graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth)
+        self._paths.draw(
+            picture.graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth, until=picture.until
+        )
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
         self._landmarks.draw(picture.snapshot.poses, measure.frustum, visible=layers.graph)
-        self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph)
+        self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph, T_map_base=T_map_base)
+        self._hypothesis.draw(graph, moment, measure.node, look, visible=layers.graph)
 
     def _draw_ground(self, picture: Picture) -> None:
         height = floor_height(picture.graph.positions, self._clouds.sample())

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.browse.snapshot import Pair, Snapshot
+from server.browse.timeline import Moment
 from slam.types import LinkType, Tier
 
 Array = NDArray[np.float64]
@@ -38,7 +39,8 @@ _KINDS = {
     LinkType.USER_CLOSURE: LinkKind.USER,
     LinkType.VIRTUAL_CLOSURE: LinkKind.VIRTUAL,
 }
-
+#: Those that are no part of the path.
+LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.USER, LinkKind.REFUSED)
 
 #: Of more refused loops than this only the newest are shown.
 _MOST_REFUSED = 300
@@ -109,6 +111,24 @@ class PlacedGraph:
         }
         return replace(self, links=kept)
 
+    def then(self, moment: Moment) -> PlacedGraph:
+        """What of it was there at a moment, with the tiers and loops of then, at the poses of now."""
+        count = int(np.searchsorted(self.ids, moment.at, side="right"))
+        rows = {node_id: row for node_id, row in self.rows.items() if row < count}
+        links = {kind: pairs[(pairs < count).all(axis=1)] for kind, pairs in self.links.items()}
+        return replace(
+            self,
+            ids=self.ids[:count],
+            T_map=self.T_map[:count],
+            T_odom=self.T_odom[:count],
+            T_world=self.T_world[:count],
+            map_ids=self.map_ids[:count],
+            weights=self.weights[:count],
+            tiers=np.array([_TIERS[moment.tiers.get(node_id, Tier.LTM)] for node_id in rows], dtype=np.int64),
+            links=links | _loops_then(moment, rows),
+            rows=rows,
+        )
+
     def pair_of(self, kind: LinkKind, index: int) -> Pair:
         """Ids of both nodes of a link."""
         a, b = self.links[kind][index]
@@ -123,6 +143,20 @@ def _links(snapshot: Snapshot, rows: dict[int, int]) -> dict[LinkKind, Ints]:
         if kind is not None and link.from_id in rows and link.to_id in rows:
             found[kind].append((rows[link.from_id], rows[link.to_id]))
     found[LinkKind.REFUSED] = _refused(snapshot, rows)
+    return _ordered(found)
+
+
+def _loops_then(moment: Moment, rows: dict[int, int]) -> dict[LinkKind, Ints]:
+    found: dict[LinkKind, list[Pair]] = {kind: [] for kind in LOOPS}
+    for (a, b), type_ in moment.loops.items():
+        if a in rows and b in rows:
+            found[_KINDS[type_]].append((rows[b], rows[a]))
+    refused = [(rows[a], rows[b]) for a, b in moment.refused if a in rows and b in rows]
+    found[LinkKind.REFUSED] = sorted(refused, key=max)[-_MOST_REFUSED:]
+    return _ordered(found)
+
+
+def _ordered(found: dict[LinkKind, list[Pair]]) -> dict[LinkKind, Ints]:
     ordered = {kind: sorted(pairs, key=lambda pair: (max(pair), min(pair))) for kind, pairs in found.items()}
     return {kind: np.array(pairs, dtype=np.int64).reshape(-1, 2) for kind, pairs in ordered.items()}
 

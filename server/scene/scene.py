@@ -73,6 +73,8 @@ class MapScene:
                 state.what_if = change.what_if
             if "overlay" in named:
                 state.overlay = change.overlay
+            if "at" in named:
+                state.at = change.at
             if "selected_node" in named:
                 state.selected_node = change.selected_node
                 if change.selected_node is not None:
@@ -105,8 +107,9 @@ class MapScene:
             self._stale.clear()
             state = self.state()
             ghosts = None if state.what_if is None else self.view.what_ifs.at(state.what_if, with_graph=True)
-            self._painter.draw(self.view.snapshot(), state, ghosts)
-        if pose is not None:
+            moment = None if state.at is None else self.view.timeline().moment(state.at)
+            self._painter.draw(self.view.snapshot(), state, ghosts, moment)
+        if pose is not None and self._state.at is None:
             self._painter.move(pose)
 
     def _work(self) -> None:

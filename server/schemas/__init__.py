@@ -44,7 +44,7 @@ from server.schemas.nodes import (
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
-from server.schemas.statistics import Hypothesis, StatisticNames, Statistics
+from server.schemas.statistics import Hypothesis, StatisticNames, Statistics, TimelineEvent, TimelineUpdates
 from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
@@ -119,6 +119,8 @@ __all__ = [
     "StartRun",
     "StatisticNames",
     "Statistics",
+    "TimelineEvent",
+    "TimelineUpdates",
     "UserData",
     "Vector",
     "WhatIfGraph",

@@ -38,6 +38,8 @@ class Scene(Schema):
     """The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts."""
     overlay: Overlay | None = None
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
+    at: int | None = None
+    """The node of the update that is shown; null for the map as it is now."""
 
 
 class LayerChange(Schema):
@@ -53,7 +55,7 @@ class LayerChange(Schema):
 
 
 class SceneChange(Schema):
-    """What to change; what is left out stays, null deselects."""
+    """What to change; what is left out stays, null deselects, and as ``at`` goes back to now."""
 
     layers: LayerChange | None = None
     colour: Colouring | None = None
@@ -62,3 +64,4 @@ class SceneChange(Schema):
     selected_link: Pair | None = None
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
     overlay: Overlay | None = None
+    at: Annotated[int, Field(ge=1)] | None = None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from server.schemas.base import Schema
 
 
@@ -28,3 +30,26 @@ class Hypothesis(Schema):
     virtual_place: float
     value: float
     """What ``Rtabmap/LoopThr`` was compared with."""
+
+
+class TimelineEvent(Schema):
+    """Something that happened in one update."""
+
+    at: int
+    """The node of the update."""
+    kind: Literal["session", "loop", "refused", "lost", "transfer", "retrieval"]
+    text: str
+    pairs: list[list[int]]
+    """The loops that it is about: newer and older node of each."""
+
+
+class TimelineUpdates(Schema):
+    """The updates of a map, oldest first, and what happened in them."""
+
+    revision: int
+    ids: list[int]
+    """The node of each update."""
+    stamps: list[float]
+    memory: bool
+    """Whether the file records which node was in which memory; else the colours are today's."""
+    events: list[TimelineEvent]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from slam.database import update_rows
 from slam.database.candidate_rows import read_candidates
-from slam.database.deck_values import CandidateRow, ParameterChange, UpdateRow
+from slam.database.deck_values import CandidateRow, LostFrame, ParameterChange, UpdateRow
 from slam.database.faults import Faults
 from slam.database.file_reader import FileReader
-from slam.database.frame_rows import read_frames
+from slam.database.frame_rows import read_frames, read_lost_frames
 from slam.database.journal_rows import read_journal
 from slam.database.parameter_rows import read_parameter_changes
 from slam.database.records import JournalEntry
@@ -24,6 +24,11 @@ class DeckReader(FileReader):
         """All tracked frames in the order of time."""
         with self._deck("reading the trajectory") as connection:
             return read_frames(connection, faults) if connection else []
+
+    def lost_frames(self, faults: Faults | None = None) -> list[LostFrame]:
+        """The frames that odometry lost, in the order of time."""
+        with self._deck("reading the lost frames") as connection:
+            return read_lost_frames(connection, faults) if connection else []
 
     def updates(self, after: int = 0, faults: Faults | None = None) -> list[UpdateRow]:
         """The updates after a node, ascending."""

@@ -85,3 +85,12 @@ class ParameterChange:
     node_id: int
     name: str
     value: str
+
+
+@dataclass(frozen=True, slots=True)
+class LostFrame:
+    """A frame that odometry could not follow: the last node before it (0 before the first), its stamp, and why."""
+
+    node_id: int
+    stamp: float
+    reason: str

@@ -9,6 +9,7 @@ from sqlalchemy import Connection, select
 
 from slam.database.blobs import pack_pose, unpack_poses
 from slam.database.deck_tables import frame
+from slam.database.deck_values import LostFrame
 from slam.database.faults import Faults, each_sound, number_of, text_of, whole_of
 from slam.database.insertion import insert_rows
 from slam.types import TrackedFrame
@@ -53,6 +54,16 @@ def read_frames(connection: Connection, faults: Faults | None = None) -> list[Tr
         )
         for row, T_node, T_world in zip(rows, T_node_base, T_world_base, strict=True)
     ]
+
+
+def read_lost_frames(connection: Connection, faults: Faults | None = None) -> list[LostFrame]:
+    """The frames that odometry lost, in the order of time. Rows that make no sense go to ``faults``."""
+    query = select(frame.c.id, frame.c.node_id, frame.c.stamp, frame.c.lost).where(frame.c.lost != "")
+    return list(each_sound(frame.name, connection.execute(query.order_by(frame.c.id)), _lost, faults))
+
+
+def _lost(row: Any) -> LostFrame:
+    return LostFrame(whole_of(row.node_id, "node_id"), number_of(row.stamp, "stamp"), text_of(row.lost, "lost"))
 
 
 def _checked(row: Any) -> Any:

@@ -253,10 +253,12 @@ class MapReader(DeckReader):
         """All names, sorted."""
         return sorted(self.statistics().values)
 
-    def wm_states(self, after: int = 0) -> dict[int, NDArray[np.int32]]:
-        """Ids in short-term and working memory at each update after a node, where they were kept."""
+    def wm_states(
+        self, after: int = 0, most: int | None = None, faults: Faults | None = None
+    ) -> dict[int, NDArray[np.int32]]:
+        """Ids in short-term and working memory at updates after a node where they were kept (the first ``most``)."""
         with self._reading("reading the working memory") as connection:
-            return statistics_rows.read_wm_states(connection, after)
+            return statistics_rows.read_wm_states(connection, after, most, faults)
 
     def memory_ids(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Ascending ids of the nodes and of the words that RTAB-Map would load into working memory."""

@@ -64,11 +64,21 @@ def read_statistics(
     )
 
 
-def read_wm_states(connection: Connection, after: int) -> dict[int, NDArray[np.int32]]:
-    """Ids in short-term and working memory at each update after node ``after``, where they were kept."""
-    query = select(statistics.c.id, statistics.c.wm_state).where(statistics.c.id > after)
-    states = ((row.id, unpack_matrix(row.wm_state)) for row in connection.execute(query.order_by(statistics.c.id)))
-    return {node_id: state.ravel().astype(np.int32) for node_id, state in states if state is not None}
+def read_wm_states(
+    connection: Connection, after: int, most: int | None, faults: Faults | None = None
+) -> dict[int, NDArray[np.int32]]:
+    """Ids in short-term and working memory at each update after node ``after``, where they were kept.
+
+    Of more than ``most`` such updates the first are read. Rows that make no sense go to ``faults``.
+    """
+    kept = (statistics.c.id > after) & statistics.c.wm_state.is_not(None)
+    query = select(statistics.c.id, statistics.c.wm_state).where(kept).order_by(statistics.c.id).limit(most)
+    return dict(state for state in each_sound("Statistics", connection.execute(query), _state, faults) if state)
+
+
+def _state(row: Any) -> tuple[int, NDArray[np.int32]] | None:
+    state = unpack_matrix(row.wm_state)
+    return None if state is None else (node_id_of(row.id), state.ravel().astype(np.int32))
 
 
 def _row_maker(columns: Mapping[str, object]) -> Callable[[Any], tuple[int, float, dict[str, float]]]:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from tests.web.conftest import OpenPage
+from tests.web.conftest import OpenPage, until
 from tests.web.served import Served
 
 
@@ -101,6 +104,32 @@ def test_statistics_can_be_added_and_lead_to_their_node(library: Served, open_pa
     expect(page).to_have_url(re.compile("Odometry"))
     page.locator(".stat-chart .u-over").last.click(position={"x": 150, "y": 30})
     expect(page).to_have_url(re.compile(r"/nodes/\d+$"))
+
+
+def test_statistics_are_saved_as_a_table_and_as_a_picture(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/stats?names=Timing/Total/ms,Odometry/Inliers/")
+    expect(page.locator(".stat-chart output").first).not_to_have_text("—")
+    with page.expect_download() as table:
+        page.get_by_role("button", name="CSV").click()
+    assert table.value.suggested_filename == "flat-statistics.csv"
+    lines = Path(table.value.path()).read_text().splitlines()
+    assert lines[0] == "node,stamp,Timing/Total/ms,Odometry/Inliers/"
+    ids, stamps = (np.array([float(line.split(",")[column]) for line in lines[1:]]) for column in (0, 1))
+    assert len(ids) > 20 and (np.diff(ids) > 0).all() and (np.diff(stamps) > 0).all()
+    with page.expect_download() as picture:
+        page.get_by_role("button", name="Save the chart of Timing/Total/ms as PNG").click()
+    image = cv2.imread(str(picture.value.path()))
+    assert image is not None and image.shape[1] > 300
+
+
+def test_a_chart_marks_the_node_under_the_pointer(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/stats?names=Timing/Total/ms")
+    chart = page.locator(".stat-chart .u-over")
+    chart.hover(position={"x": 150, "y": 30})
+    marked = "async () => (await (await fetch('api/scene/flat')).json()).selected_node"
+    until(page, marked)
+    page.get_by_role("heading", name="Statistics").hover()
+    until(page, f"async () => (await ({marked})()) === null")
 
 
 def test_without_the_token_nobody_gets_in(library: Served, open_page: OpenPage) -> None:

@@ -26,6 +26,7 @@ import { drawGuides } from "./chart_guides.js";
  * @property {Threshold[]} [thresholds]
  * @property {Mark[]} [marks] small triangles at the top
  * @property {boolean} [stems] a stem as high as its value under each mark
+ * @property {number | null} [shown] x of the moment that is shown
  * @property {boolean} [time] x is seconds, not ids
  * @property {boolean} [fromZero]
  * @property {(index: number) => void} [onPick] a click on a row
@@ -56,6 +57,7 @@ export function Chart(props) {
 
   const guides = JSON.stringify([props.thresholds, props.marks?.length]);
   useEffect(() => void (plot.current && feed(plot.current, props, zoomed)), [props.revision, props.x, shape, guides]);
+  useEffect(() => plot.current?.redraw(false, false), [props.shown]);
   return html`<div class="chart" ref=${box} role="img" aria-label=${props.label}></div>`;
 }
 
@@ -89,7 +91,8 @@ function options(box, latest, setZoomed) {
     ...room(box),
     padding: [6, 8, 0, 0],
     legend: { show: false },
-    cursor: { sync: { key: CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
+    // Seconds and node ids don't share a cursor.
+    cursor: { sync: { key: time ? `${CURSOR} time` : CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
     scales: { x: { time: false }, y: { range: (_, low, high) => yRange(low, high, fromZero, latest.current) } },
     axes: [
       { ...axis, size: 18, gap: 2, grid: { show: false }, ticks: { show: false }, values: time ? seconds : undefined },

@@ -7,9 +7,10 @@ import { color } from "../theme.js";
 
 /**
  * @param {uPlot} u
- * @param {{thresholds?: Threshold[], marks?: Mark[], stems?: boolean}} guides stems: as high as the mark's value
+ * @param {{thresholds?: Threshold[], marks?: Mark[], stems?: boolean, shown?: number | null}} guides stems: as high as the
+ *   mark's value; shown: where a moment of the past is
  */
-export function drawGuides(u, { thresholds = [], marks = [], stems = false }) {
+export function drawGuides(u, { thresholds = [], marks = [], stems = false, shown = null }) {
   const { ctx, bbox } = u;
   ctx.save();
   ctx.beginPath();
@@ -18,7 +19,15 @@ export function drawGuides(u, { thresholds = [], marks = [], stems = false }) {
   ctx.strokeStyle = ctx.fillStyle = color("loop");
   for (const mark of marks) drawMark(u, mark, stems);
   for (const { value, token } of thresholds) drawThreshold(u, value, color(token));
+  if (shown !== null) drawShown(u, shown);
   ctx.restore();
+}
+
+/** @param {uPlot} u @param {number} at */
+function drawShown(u, at) {
+  const { ctx, bbox } = u;
+  ctx.fillStyle = color("ink");
+  ctx.fillRect(u.valToPos(at, "x", true) - devicePixelRatio, bbox.top, 2 * devicePixelRatio, bbox.height);
 }
 
 /**

@@ -1,6 +1,8 @@
 // What the colours of the 3D view mean, with counts.
 import { html } from "../html.js";
 import * as text from "../format.js";
+import { after } from "../moment.js";
+import { moment } from "../router.js";
 import { columns, info, scene } from "../store.js";
 
 /** @typedef {{token: string, label: string, kind?: "dot" | "line" | "dash"}} Entry */
@@ -38,20 +40,28 @@ function graphEntries(colour) {
 /** @param {string} type @param {string} token @param {string} label @returns {Entry[]} */
 function loopEntry(type, token, label) {
   const count = info.value?.links[type] ?? 0;
-  return count ? [{ token, label: `${label} ${text.whole(count)}`, kind: "line" }] : [];
+  // How many there were then is told by the charts.
+  return count ? [{ token, label: moment.value === null ? `${label} ${text.whole(count)}` : label, kind: "line" }] : [];
 }
 
 /** @returns {Entry[]} */
 function memoryEntries() {
   void columns.value?.revision.value;
-  const stm = columns.value?.last(STM) ?? 0;
-  const wm = columns.value?.last(WM) ?? 0;
-  const ltm = columns.value?.last(LTM) ?? Math.max(0, (info.value?.nodes ?? 0) - stm - wm);
+  const stm = shown(STM) ?? 0;
+  const wm = shown(WM) ?? 0;
+  const ltm = shown(LTM) ?? Math.max(0, (info.value?.nodes ?? 0) - stm - wm);
   return [
     { token: "stm", label: `STM ${text.whole(stm)}` },
     { token: "wm", label: `WM ${text.whole(wm)}` },
     { token: "ltm", label: `LTM ${text.whole(ltm)}` },
   ];
+}
+
+/** The value of the moment that is shown, else the newest. @param {string} name */
+function shown(name) {
+  const data = columns.value;
+  if (!data || moment.value === null) return data?.last(name) ?? null;
+  return data.column(name)[after(data.ids, moment.value) - 1] ?? null;
 }
 
 /** @param {string} colour @returns {Entry[]} */

@@ -3,35 +3,44 @@ import { useEffect, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import * as text from "../format.js";
 import { draft, tryOut } from "../draft.js";
-import { go, link } from "../router.js";
+import { link, moment } from "../router.js";
+import { after, goTo, pause } from "../moment.js";
+import { hovered } from "../picking.js";
 import { columns, inForce } from "../store.js";
 import { Chart } from "./chart.js";
 import { LTM, STM, WM } from "./legend.js";
 
 export const TIME = "Timing/Total/ms";
 export const HYPOTHESIS = "Loop/Highest_hypothesis_value/";
+const BEST = "Loop/Highest_hypothesis_id/";
 const ACCEPTED = "Loop/Accepted_hypothesis_id/";
 const NEAR = "Proximity/Space_last_detection_id/";
-const NAMES = [TIME, STM, WM, LTM, HYPOTHESIS, ACCEPTED, NEAR];
+const NAMES = [TIME, STM, WM, LTM, HYPOTHESIS, BEST, ACCEPTED, NEAR];
 
 /** @typedef {import("../columns.js").Columns} Columns */
 
 export function Strip() {
   const data = columns.value;
-  const [at, setAt] = useState(/** @type {number | null} */ (null));
+  const [under, setUnder] = useState(/** @type {number | null} */ (null));
   useEffect(() => data?.want(NAMES), [data]);
   if (!data) return null;
   void data.revision.value;
-  const props = { data, at, marks: closures(data), onCursor: setAt };
+  const at = under ?? (moment.value === null ? null : after(data.ids, moment.value) - 1);
+  const props = { data, at, marks: closures(data), onCursor: (/** @type {number | null} */ row) => (setUnder(row), point(data, row)) };
   return html`<section class="strip" aria-label="Live charts">
     ${h(TimeChart, props)}${h(MemoryChart, props)}${h(HypothesisChart, props)}
   </section>`;
 }
 
+/** Mark the node of a row in 3D. @param {Columns} data @param {number | null} row */
+export function point(data, row) {
+  hovered.value = row === null ? null : (data.ids[row] ?? null);
+}
+
 /**
  * @typedef {object} StripProps
  * @property {Columns} data
- * @property {number | null} at row under the cursor
+ * @property {number | null} at row under the cursor, else of the moment that is shown
  * @property {import("./chart.js").Mark[]} marks
  * @property {(index: number | null) => void} onCursor
  */
@@ -87,12 +96,14 @@ function MemoryChart({ data, at, marks, onCursor }) {
 /** @param {StripProps} props */
 function HypothesisChart({ data, at, marks, onCursor }) {
   const threshold = Number(inForce("Rtabmap/LoopThr") ?? 0);
+  const best = valueAt(data, BEST, at);
   return h(StripChart, {
     data,
     title: "Hypothesis",
     value: text.fixed(valueAt(data, HYPOTHESIS, at), 2),
     notes: [
       html`<a class="ink-warn" href=${link({ view: "loops", query: { tab: "what-if" } })} title="What another threshold would mean">LoopThr ${text.short(threshold)}</a>`,
+      best ? html`<span title="The most probable place">of ${text.whole(best)}</span>` : "",
       html`<span class="ink-loop" title="Nodes at which a loop was closed">▾ ${text.whole(marks.length)}</span>`,
     ],
     lines: [{ label: "hypothesis", token: "accent", kind: "area" }],
@@ -138,7 +149,8 @@ function StripChart({ data, title, value, notes, lines, names, thresholds, marks
       dragged,
       onDrag,
       onCursor,
-      onPick: (index) => go({ view: "nodes", key: data.ids[index] }),
+      shown: moment.value,
+      onPick: (index) => (pause(), goTo(data.ids[index])),
     })}
   </figure>`;
 }

@@ -540,6 +540,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/timeline": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Timeline
+         * @description All updates with what happened in them.
+         */
+        get: operations["get_timeline"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/what-if/loops": {
         parameters: {
             query?: never;
@@ -2003,6 +2023,11 @@ export interface components {
          */
         Scene: {
             /**
+             * At
+             * @description The node of the update that is shown; null for the map as it is now.
+             */
+            at?: number | null;
+            /**
              * Colour
              * @enum {string}
              */
@@ -2030,9 +2055,11 @@ export interface components {
         };
         /**
          * SceneChange
-         * @description What to change; what is left out stays, null deselects.
+         * @description What to change; what is left out stays, null deselects, and as ``at`` goes back to now.
          */
         SceneChange: {
+            /** At */
+            at?: number | null;
             /** Colour */
             colour?: ("memory" | "session" | "time" | "weight") | null;
             /** Dark */
@@ -2250,6 +2277,51 @@ export interface components {
          * @enum {string}
          */
         Tier: "stm" | "wm" | "ltm";
+        /**
+         * TimelineEvent
+         * @description Something that happened in one update.
+         */
+        TimelineEvent: {
+            /**
+             * At
+             * @description The node of the update.
+             */
+            at: number;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "session" | "loop" | "refused" | "lost" | "transfer" | "retrieval";
+            /**
+             * Pairs
+             * @description The loops that it is about: newer and older node of each.
+             */
+            pairs: number[][];
+            /** Text */
+            text: string;
+        };
+        /**
+         * TimelineUpdates
+         * @description The updates of a map, oldest first, and what happened in them.
+         */
+        TimelineUpdates: {
+            /** Events */
+            events: components["schemas"]["TimelineEvent"][];
+            /**
+             * Ids
+             * @description The node of each update.
+             */
+            ids: number[];
+            /**
+             * Memory
+             * @description Whether the file records which node was in which memory; else the colours are today's.
+             */
+            memory: boolean;
+            /** Revision */
+            revision: number;
+            /** Stamps */
+            stamps: number[];
+        };
         /**
          * UserData
          * @description What a program attached to a node.
@@ -4387,6 +4459,74 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Statistics"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_timeline: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TimelineUpdates"];
                 };
             };
             /** @description No token. */

@@ -1,17 +1,19 @@
 // Any stored statistic over nodes or time: pick names, read the charts, click to see the node.
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import { get } from "../api.js";
 import * as text from "../format.js";
 import { remembered } from "../prefs.js";
-import { go, openMapId, route } from "../router.js";
+import { after } from "../moment.js";
+import { go, moment, openMapId, route } from "../router.js";
 import { columns } from "../store.js";
 import { Button, Chip } from "../parts/button.js";
 import { Chart } from "../parts/chart.js";
 import { StatPicker } from "../parts/stat_picker.js";
 import { Empty, Failed } from "../parts/state.js";
 import { useFetched } from "../parts/use.js";
-import { HYPOTHESIS, TIME } from "../parts/strip.js";
+import { HYPOTHESIS, TIME, point } from "../parts/strip.js";
+import { csv, save, savePicture } from "../save.js";
 
 const overTime = remembered("stats-over-time", false);
 const chosen = remembered("stats-names", [TIME, HYPOTHESIS, "Memory/Working_memory_size/"].join(","));
@@ -36,11 +38,17 @@ export function Stats() {
     <div class="view-head">
       <h2>Statistics</h2>
       <span class="quiet grow">${all.length ? `${text.whole(all.length)} stored` : ""}</span>
+      ${h(Button, { icon: "export", label: "CSV", hint: "Save these columns, all rows", disabled: !names.length || !data.ids.length, onClick: saveAll })}
       ${h(Chip, { label: "Over time", hint: "Seconds instead of node ids", on: overTime.value, onChange: (on) => (overTime.value = on) })}
     </div>
     <div class="view-tools">${h(StatPicker, { all, names, onChoose: choose })}</div>
     <div class="view-body stats">${body()}</div>
   </div>`;
+
+  function saveAll() {
+    const table = csv([["node", data.ids], ["stamp", data.stamps], ...names.map((name) => /** @type {[string, (number | null)[]]} */ ([name, data.column(name)]))]);
+    save(new Blob([table], { type: "text/csv" }), `${map}-statistics.csv`);
+  }
 
   function body() {
     const error = available.error.value ?? data.error.value;
@@ -54,7 +62,7 @@ export function Stats() {
         name,
         token: TOKENS[index % TOKENS.length],
         at,
-        onCursor: setAt,
+        onCursor: (row) => (setAt(row), point(data, row)),
         onRemove: () => choose(names.filter((one) => one !== name)),
       }),
     );
@@ -74,17 +82,24 @@ export function Stats() {
 
 /** @param {StatChartProps} props */
 function StatChart({ data, name, token, at, onCursor, onRemove }) {
+  const figure = useRef(/** @type {HTMLElement | null} */ (null));
   const column = data.column(name);
   const known = column.filter((value) => value !== null);
   const start = data.stamps[0] ?? 0;
   const time = overTime.value;
-  const row = at ?? data.ids.length - 1;
-  return html`<figure class="stat-chart">
+  const shown = moment.value === null ? null : after(data.ids, moment.value) - 1;
+  const row = at ?? shown ?? data.ids.length - 1;
+  const saveChart = () => {
+    const canvas = figure.current?.querySelector("canvas");
+    if (canvas) savePicture(canvas, name, `${data.map}-${name}.png`);
+  };
+  return html`<figure class="stat-chart" ref=${figure}>
     <figcaption>
       <b class="clip" title=${name}>${name}</b>
       <output>${text.short(column[row])}</output>
       <span class="quiet small">at ${data.ids[row] ?? text.NONE}</span>
       <span class="quiet small" title="Median and maximum over the map">med ${text.short(median(known))} · max ${text.short(largest(known))}</span>
+      ${h(Button, { icon: "image", kind: "bare", hint: `Save the chart of ${name} as PNG`, onClick: saveChart })}
       ${h(Button, { icon: "close", kind: "bare", hint: `Remove ${name}`, onClick: onRemove })}
     </figcaption>
     ${h(Chart, {
@@ -94,6 +109,7 @@ function StatChart({ data, name, token, at, onCursor, onRemove }) {
       columns: [column],
       revision: data.revision.value,
       time,
+      shown: shown === null ? null : time ? data.stamps[shown] - start : data.ids[shown],
       onCursor,
       onPick: (index) => go({ view: "nodes", key: data.ids[index] }),
     })}

@@ -22,7 +22,7 @@ from server.scene.scene import MapScene
 from server.schemas.scene import SceneChange
 from slam.database import MapWriter
 from tests.unit.server.scene.conftest import Sent
-from tests.unit.server.scene.room_map import NODES, true_pose, write_room_map
+from tests.unit.server.scene.room_map import LAP, NODES, true_pose, write_room_map
 from tests.unit.server.scene.test_batched import click
 
 Selections = list[tuple[str, tuple[int, ...]]]
@@ -203,6 +203,29 @@ def test_many_refreshes_at_once_are_few_drawings(watched: Watched, monkeypatch: 
     time.sleep(0.5)
     assert len(drawn) < 5
     assert set(drawn) == {watched.scene._worker.ident}
+
+
+def test_a_moment_of_the_past_hides_what_came_later_and_sends_no_cloud(watched: Watched, sent: Sent) -> None:
+    watched.wait()
+    sent.take()
+    assert watched.change(at=14).at == 14
+    watched.wait()
+    assert len(watched.handle("/graph/nodes/0").batched_positions) == 14
+    assert len(watched.handle("/graph/loop/0").points) > 0
+    assert watched.handle("/graph/user/0") is None, "that loop came with node 20"
+    assert [i for i in range(1, LAP + 1) if watched.handle(f"/cloud/{i}").visible] == list(range(1, LAP + 1))
+    watched.change(at=5, colour="memory")
+    watched.wait()
+    assert [i for i in range(1, LAP + 1) if watched.handle(f"/cloud/{i}").visible] == [1, 2, 3, 4, 5]
+    np.testing.assert_allclose(watched.handle("/newest").position, true_pose(5)[:3, 3], atol=1e-6)
+    watched.scene.move(true_pose(9))
+    assert watched.change(at=None).at is None
+    watched.wait()
+    assert len(watched.handle("/graph/nodes/0").batched_positions) == NODES
+    assert watched.handle("/graph/user/0").visible
+    kinds = {kind for kind, _ in sent.take()}
+    assert "PointCloud" not in kinds
+    assert not any("Camera" in kind and "Frustum" not in kind for kind in kinds), "nobody moves the camera"
 
 
 def test_a_live_pose_moves_the_newest_camera_between_nodes(watched: Watched) -> None:

@@ -1,0 +1,59 @@
+"""Go back through the updates of a map, by keys, by events and by a link."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+from tests.web.conftest import OpenPage, until
+from tests.web.served import Served
+
+_SCENE = "async (at) => (await (await fetch('api/scene/flat')).json()).at === at"
+
+
+def shown(page: Page) -> int:
+    """The node whose moment is shown."""
+    found = re.search(r"node (\d+)", page.locator(".timeline-shown").inner_text())
+    assert found
+    return int(found[1])
+
+
+def test_the_past_is_walked_through_and_its_link_reopens_it(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/nodes")
+    slider = page.get_by_role("slider", name="Update that is shown")
+    expect(slider).to_be_enabled()
+    page.keyboard.press("ArrowLeft")
+    last = shown(page)
+    page.keyboard.press("ArrowLeft")
+    assert shown(page) < last
+    page.keyboard.press("ArrowRight")
+    assert shown(page) == last
+    page.get_by_role("button", name="What happened").click()
+    page.get_by_role("button", name=re.compile("Loop accepted")).click()
+    page.get_by_role("table", name="Events").get_by_role("row").nth(1).click()
+    at = shown(page)
+    expect(page).to_have_url(re.compile(rf"/nodes\?at={at}$"))
+    until(page, _SCENE, at)
+    page.keyboard.press("Escape")
+    page.get_by_role("link", name="Stats").click()
+    expect(page).to_have_url(re.compile(rf"/stats\?at={at}$"))
+    page.goto(library.base + "#/map/flat/maps")
+    expect(page.locator(".timeline-shown")).to_contain_text("now")
+    page.goto(f"{library.base}#/map/flat/loops?at={at}")
+    page.reload()
+    expect(page.locator(".timeline-shown")).to_contain_text(f"node {at}")
+    page.keyboard.press("n")
+    expect(page).to_have_url(re.compile("/loops$"))
+    until(page, _SCENE, None)
+
+
+def test_it_plays_to_now(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/nodes")
+    page.get_by_label("Speed").select_option("16")
+    expect(page.get_by_role("slider", name="Update that is shown")).to_be_enabled()
+    page.keyboard.press("p")
+    expect(page.locator(".timeline-shown")).to_contain_text("node")
+    expect(page.get_by_role("button", name="Pause (P)")).to_be_visible()
+    expect(page.locator(".timeline-shown")).to_contain_text("now")
+    expect(page.get_by_role("button", name="Play (P)")).to_be_visible()
