@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from slam.errors import SlamError
 from slam.geometry import Pose
 from slam.params import Value
-from slam.review import Effect
 from slam.types import Candidate, Tier
+
+if TYPE_CHECKING:
+    from slam.review import Effect
 
 
 @dataclass(frozen=True, slots=True)

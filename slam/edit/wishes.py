@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from slam.geometry import Array, Pose
-from slam.review import Effect
 from slam.types import Link, LinkType, Refusal, Registration
+
+if TYPE_CHECKING:
+    from slam.review import Effect
 
 #: By images, by clouds, or by images and from there by clouds.
 Method = Literal["visual", "icp", "both"]
