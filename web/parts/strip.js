@@ -101,7 +101,7 @@ function HypothesisChart({ data, at, marks, onCursor }) {
     title: "Hypothesis",
     value: text.fixed(valueAt(data, HYPOTHESIS, at), 2),
     notes: [
-      best ? html`<span title="The most probable place">of ${text.whole(best)}</span>` : "",
+      best ? html`<span title="The most probable place">→ ${text.whole(best)}</span>` : "",
       html`<span class="ink-warn">LoopThr ${text.short(threshold)}</span>`,
       html`<span class="ink-loop" title="Nodes at which a loop was closed">▾ ${text.whole(marks.length)}</span>`,
     ],
