@@ -13,6 +13,7 @@ import { Splitter } from "./parts/splitter.js";
 import { Strip } from "./parts/strip.js";
 import { TimelineBar } from "./parts/timeline.js";
 import { TopBar } from "./parts/topbar.js";
+import { Tour } from "./parts/tour.js";
 import { remembered } from "./prefs.js";
 import { route, startRouter } from "./router.js";
 import { startLanding } from "./landing.js";
@@ -46,7 +47,7 @@ function App() {
         ${h(VIEWS[view], { key: `${map}/${view}` })}
       </main>
     </div>
-    ${h(Palette, {})}${h(Help, {})}${h(Toasts, {})}
+    ${h(Palette, {})}${h(Help, {})}${h(Toasts, {})}${h(Tour, {})}
   </div>`;
 }
 

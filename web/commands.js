@@ -1,11 +1,12 @@
 // All that the command palette can find.
-import { command, setScene } from "./actions.js";
+import { command, say, setScene } from "./actions.js";
 import { address } from "./api.js";
 import * as text from "./format.js";
 import { KINDS, goTo, jump, kind, now, pause, timeline, togglePlay } from "./moment.js";
 import { showHelp } from "./parts/help.js";
 import { ENTRIES } from "./parts/rail.js";
-import { go, openMapId } from "./router.js";
+import { showTour } from "./parts/tour.js";
+import { go, keepMoment, openMapId } from "./router.js";
 import { maps, parameters, scene, session } from "./store.js";
 import { toggleTheme } from "./theme.js";
 
@@ -132,5 +133,17 @@ function pageCommands() {
   return [
     { kind: "page", label: "Change theme", detail: "T", run: toggleTheme },
     { kind: "page", label: "Keyboard shortcuts", detail: "?", run: showHelp },
+    { kind: "page", label: "Copy the link to what is shown", detail: "", run: () => void copyLink() },
+    ...(openMapId.value ? [{ kind: "page", label: "Hints for the first visit", detail: "", run: showTour }] : []),
   ];
+}
+
+async function copyLink() {
+  keepMoment();
+  try {
+    await navigator.clipboard.writeText(location.href);
+    say("The link is copied.", "good");
+  } catch {
+    say("The browser keeps its clipboard to itself; the link is the page's address.");
+  }
 }

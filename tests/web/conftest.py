@@ -75,7 +75,8 @@ def library(finished_map: Path, tmp_path_factory: pytest.TempPathFactory) -> Ite
 def open_page(browser: Browser) -> Iterator[OpenPage]:
     """Opens a server's page at a place (a hash); what goes wrong in the page fails the test.
 
-    The 3D view stays empty unless ``in_3d``: drawing it in software would take most of the time.
+    The 3D view stays empty unless ``in_3d``: drawing it in software would take most of the time. Hints for the first
+    visit are there only if it is the ``first``.
     """
     contexts = []
     wrong: list[str] = []
@@ -93,10 +94,17 @@ def open_page(browser: Browser) -> Iterator[OpenPage]:
             wrong.append(said.text)
 
     def opened(
-        server: Served, place: str = "", theme: Literal["dark", "light"] = "dark", *, in_3d: bool = False
+        server: Served,
+        place: str = "",
+        theme: Literal["dark", "light"] = "dark",
+        *,
+        in_3d: bool = False,
+        first: bool = False,
     ) -> Page:
         context = browser.new_context(viewport=VIEWPORT, color_scheme=theme)
         contexts.append(context)
+        if not first:
+            context.add_init_script("localStorage.setItem('slamdeck.tour-seen', 'true')")
         page = context.new_page()
         page.set_default_timeout(PATIENCE_MS)
         if not in_3d:

@@ -132,6 +132,22 @@ def test_a_chart_marks_the_node_under_the_pointer(library: Served, open_page: Op
     until(page, f"async () => (await ({marked})()) === null")
 
 
+def test_hints_come_once_and_never_again(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/nodes", first=True)
+    for number in (1, 2, 3):
+        hint = page.get_by_role("dialog", name=f"Hint {number} of 3")
+        expect(hint).to_be_in_viewport(ratio=1)
+        hint.get_by_role("button", name="Done" if number == 3 else "Next").click()
+    expect(page.get_by_role("dialog")).to_have_count(0)
+    page.reload()
+    expect(page.get_by_role("row").nth(1)).to_be_visible()
+    expect(page.get_by_role("dialog")).to_have_count(0)
+    page.keyboard.press("Control+k")
+    page.get_by_role("combobox", name="Search or command").fill("hints")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("dialog", name="Hint 1 of 3")).to_be_visible()
+
+
 def test_without_the_token_nobody_gets_in(library: Served, open_page: OpenPage) -> None:
     page = open_page(library)
     page.context.clear_cookies()

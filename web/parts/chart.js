@@ -36,6 +36,7 @@ import { drawGuides } from "./chart_guides.js";
  */
 
 const CURSOR = "slamdeck";
+const CURSOR_TIME = "slamdeck time";
 
 /** @param {ChartProps} props */
 export function Chart(props) {
@@ -52,13 +53,23 @@ export function Chart(props) {
     plot.current = made;
     const observer = new ResizeObserver(() => box.current && made.setSize(room(box.current)));
     observer.observe(box.current);
-    return () => (observer.disconnect(), made.destroy());
+    return () => {
+      observer.disconnect();
+      leave(made);
+      made.destroy();
+    };
   }, [shape]);
 
   const guides = JSON.stringify([props.thresholds, props.marks?.length]);
   useEffect(() => void (plot.current && feed(plot.current, props, zoomed)), [props.revision, props.x, shape, guides]);
   useEffect(() => plot.current?.redraw(false, false), [props.shown]);
   return html`<div class="chart" ref=${box} role="img" aria-label=${props.label}></div>`;
+}
+
+/** A chart that goes while the pointer is over it takes the cursor from all others. @param {uPlot} u */
+function leave(u) {
+  if ((u.cursor.left ?? -1) < 0) return;
+  for (const name of [CURSOR, CURSOR_TIME]) for (const other of uPlot.sync(name).plots) other.setCursor({ left: -10, top: -10 });
 }
 
 /** @param {ChartProps} props @returns {uPlot.AlignedData} */
@@ -92,7 +103,7 @@ function options(box, latest, setZoomed) {
     padding: [6, 8, 0, 0],
     legend: { show: false },
     // Seconds and node ids don't share a cursor.
-    cursor: { sync: { key: time ? `${CURSOR} time` : CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
+    cursor: { sync: { key: time ? CURSOR_TIME : CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
     scales: { x: { time: false }, y: { range: (_, low, high) => yRange(low, high, fromZero, latest.current) } },
     axes: [
       { ...axis, size: 18, gap: 2, grid: { show: false }, ticks: { show: false }, values: time ? seconds : undefined },

@@ -103,7 +103,7 @@ function HypothesisChart({ data, at, marks, onCursor }) {
     value: text.fixed(valueAt(data, HYPOTHESIS, at), 2),
     notes: [
       html`<a class="ink-warn" href=${link({ view: "loops", query: { tab: "what-if" } })} title="What another threshold would mean">LoopThr ${text.short(threshold)}</a>`,
-      best ? html`<span title="The most probable place">of ${text.whole(best)}</span>` : "",
+      best ? html`<span title="The most probable place">→ ${text.whole(best)}</span>` : "",
       html`<span class="ink-loop" title="Nodes at which a loop was closed">▾ ${text.whole(marks.length)}</span>`,
     ],
     lines: [{ label: "hypothesis", token: "accent", kind: "area" }],

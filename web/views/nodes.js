@@ -16,6 +16,9 @@ import { Window } from "../window.js";
 /** @typedef {import("../store.js").Schemas["NodeRow"]} NodeRow */
 /** @typedef {import("../parts/table.js").TableColumn<NodeRow>} NodeColumn */
 
+/** @typedef {{order?: string, q?: string, dropped?: boolean}} Asked */
+
+const ORDERS = ["id", "-id", "stamp", "-stamp", "weight", "-weight"];
 const TIERS = { stm: "STM", wm: "WM", ltm: "LTM" };
 
 /** @type {NodeColumn[]} */
@@ -35,9 +38,15 @@ const COLUMNS = [
 
 export function Nodes() {
   const map = /** @type {string} */ (openMapId.value);
-  const [order, setOrder] = useState(/** @type {import("../window.js").NodeOrder} */ ("id"));
-  const [query, setQuery] = useState("");
-  const [dropped, setDropped] = useState(false);
+  const asked = route.value.query;
+  const order = /** @type {import("../window.js").NodeOrder} */ (ORDERS.find((name) => name === asked.get("order")) ?? "id");
+  const query = asked.get("q") ?? "";
+  const dropped = asked.has("dropped");
+  const look = (/** @type {Asked} */ next) => {
+    const { order: by, q, dropped: all } = { order, q: query, dropped, ...next };
+    const changed = { ...(by !== "id" && { order: by }), ...(q && { q }), ...(all && { dropped: "yes" }) };
+    go({ view: "nodes", key: route.value.key, query: changed }, { replace: true });
+  };
   const rows = useMemo(() => new Window(map), [map]);
   const selected = Number(route.value.key ?? 0);
   // A row that was chosen before it arrived: it is selected as soon as it is here.
@@ -50,7 +59,7 @@ export function Nodes() {
   void rows.revision.value;
   const select = (/** @type {number} */ row) => {
     const found = rows.at(row);
-    if (found) go({ view: "nodes", key: found.id });
+    if (found) go({ view: "nodes", key: found.id, query: Object.fromEntries(asked) });
     setWanted(found ? -1 : row);
   };
   useEffect(() => void (wanted >= 0 && rows.at(wanted) && select(wanted)));
@@ -67,7 +76,7 @@ export function Nodes() {
         label: "Dropped",
         on: dropped,
         hint: `${text.whole(info.value?.dropped)} nodes that were merged or dropped: kept in the file, no part of the map`,
-        onChange: setDropped,
+        onChange: (on) => look({ dropped: on }),
       })}
       <input
         type="search"
@@ -75,7 +84,7 @@ export function Nodes() {
         placeholder="Id or label"
         aria-label="Find nodes by id or label"
         value=${query}
-        onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => setQuery(currentTarget.value)}
+        onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => look({ q: currentTarget.value })}
       />
     </div>
     <div class="view-table">${nodeTable()}</div>
@@ -98,7 +107,7 @@ export function Nodes() {
       selected: at,
       onSelect: select,
       order,
-      onOrder: (next) => setOrder(/** @type {import("../window.js").NodeOrder} */ (next)),
+      onOrder: (next) => look({ order: next }),
     });
   }
 }
