@@ -78,12 +78,12 @@ function forget() {
   void load();
 }
 
-/** A map that grows is asked for its updates now and then, not for each of them. */
+/** A map that grows is asked for its updates now and then, a large one more rarely. */
 function follow() {
   growing ??= setTimeout(() => {
     growing = undefined;
     void load();
-  }, GROWTH_MS);
+  }, Math.max(GROWTH_MS, timeline.value?.ids.length ?? 0));
 }
 
 export async function load() {

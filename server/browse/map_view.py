@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from pathlib import Path
+
+import numpy as np
 
 from server.browse.beliefs import BeliefLog
 from server.browse.increments import Increments
-from server.browse.moves import moves_of_states
+from server.browse.moves import Move, moves_of_states
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
@@ -15,7 +18,7 @@ from server.browse.timeline import Timeline
 from server.browse.trials import LoopTrials
 from server.browse.what_if import WhatIfs
 from server.catalog import MapFile
-from slam.database import Faults, MapReader
+from slam.database import Faults, MapReader, StatisticsTable
 
 Fingerprint = tuple[tuple[int, int], ...]
 
@@ -46,6 +49,8 @@ class MapView:
         self._revision = 0
         self._snapshot: Snapshot | None = None
         self._timeline: Timeline | None = None
+        # How many updates slamdeck did not make, and what moved in them.
+        self._earlier: tuple[int, Sequence[Move]] = (0, ())
         # Of updates, which are read once.
         self._faults: Faults = {}
 
@@ -73,10 +78,18 @@ class MapView:
         with self._lock:
             recorded = self._tiers.moves()
         measured = self.statistics.table()
-        earlier = moves_of_states(self.reader, measured, recorded[0].id if recorded else None, self._faults)
-        made = Timeline(snapshot, [*earlier, *recorded], measured)
+        made = Timeline(snapshot, [*self._earlier_moves(measured, recorded), *recorded], measured)
         self._timeline = made
         return made
+
+    def _earlier_moves(self, measured: StatisticsTable, recorded: Sequence[Move]) -> Sequence[Move]:
+        """Moves of updates that slamdeck did not make; read anew only when there are more of them."""
+        before = recorded[0].id if recorded else None
+        rows = len(measured.ids) if before is None else int(np.searchsorted(measured.ids, before))
+        with self._lock:
+            if self._earlier[0] != rows:
+                self._earlier = rows, tuple(moves_of_states(self.reader, measured, before, self._faults))
+            return self._earlier[1]
 
     def touch(self) -> int:
         """Somebody wrote the file, perhaps so soon after the last time that its clock does not show it.
