@@ -139,5 +139,5 @@ def test_loop_threshold_decides_whether_loops_come(running: Page) -> None:
     closed = figure(running, "Hypothesis", r"▾ ([\d,]+)")
     set_parameter(running, "Rtabmap/LoopThr", "0.11")
     until(running, "n => Number(/▾ ([\\d,]+)/.exec(document.querySelector('.strip').innerText)?.[1]) >= n", closed + 5)
-    running.get_by_role("link", name="Loops").click()
+    running.get_by_role("link", name="Loops", exact=True).click()
     expect(running.get_by_role("row").filter(has_text="global").first).to_be_visible(timeout=SLOW)
