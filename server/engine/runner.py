@@ -9,13 +9,12 @@ from server.engine.channel import Channel
 from server.engine.commands import Decide, Pause, Request, Resume, RunJob, SetParams, Step, Stop
 from server.engine.decision import carry_out
 from server.engine.events import Ended, GraphChanged, InForce, Moved, NodeAdded, Progress, Started
-from server.engine.mapping import engine_on_map
+from server.engine.mapping import engine_on_map, session_params
 from server.engine.pace import Pace
 from server.errors import EngineError
 from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
 from slam.errors import ParameterError, SlamError
-from slam.params import Params
 from slam.review import Review
 from slam.run import Tally, ate_rmse_m, prepared
 from slam.sensors import open_source
@@ -46,7 +45,7 @@ class Runner:
         """Process frames until the source ends or somebody stops it."""
         job = self._job
         source = open_source(job.source)
-        params = Params().changed(job.params)
+        params = session_params(job.path, job.params, append=job.append)
         opening = engine_on_map(
             job.path, params, seed=job.seed, source=source.name, overwrite=job.overwrite, append=job.append
         )

@@ -45,6 +45,19 @@ from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoi
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics, TimelineEvent, TimelineUpdates
+from server.schemas.trials import (
+    KeepTrial,
+    KeptTrial,
+    StartTrial,
+    TakenOver,
+    Trial,
+    TrialChange,
+    TrialComparison,
+    TrialLoop,
+    TrialOutcome,
+    Trials,
+    TrialSide,
+)
 from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
@@ -68,6 +81,8 @@ __all__ = [
     "JobStatus",
     "Journal",
     "JournalEntry",
+    "KeepTrial",
+    "KeptTrial",
     "Landmark",
     "Landmarks",
     "LayerChange",
@@ -117,10 +132,19 @@ __all__ = [
     "Size",
     "StartJob",
     "StartRun",
+    "StartTrial",
     "StatisticNames",
     "Statistics",
+    "TakenOver",
     "TimelineEvent",
     "TimelineUpdates",
+    "Trial",
+    "TrialChange",
+    "TrialComparison",
+    "TrialLoop",
+    "TrialOutcome",
+    "TrialSide",
+    "Trials",
     "UserData",
     "Vector",
     "WhatIfGraph",

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, func, insert, select
+from sqlalchemy import Column, Connection, func, insert, select, update
 
 from slam.camera import Camera
 from slam.database.blobs import MAX_CLOUD_BYTES, NOTHING, pack_row, unpack_matrix
@@ -83,6 +83,13 @@ def insert_data(
             **{column.name: value for column, value in zip(_VIEW, grid.view_point, strict=True)},
         }
     connection.execute(insert(data).values(values))
+
+
+def update_images(connection: Connection, node_id: int, columns: Mapping[str, object]) -> None:
+    """Give a node the images among some columns."""
+    images = {name: columns[name] for name in ("image", "depth") if name in columns}
+    if images:
+        connection.execute(update(data).where(data.c.id == node_id).values(images))
 
 
 def read_image(connection: Connection, node_id: int) -> bytes:

@@ -221,10 +221,10 @@ class MapReader(DeckReader):
         ):
             return data_rows.read_scan(connection, node_id)
 
-    def stored_columns(self, node_id: int) -> tuple[dict[str, object], dict[str, object]]:
+    def stored_columns(self, node_id: int, *, images: bool = True) -> tuple[dict[str, object], dict[str, object]]:
         """What a replay hands on of a node, as it is: columns of the tables Node and Data by name."""
         with self._reading(f"reading node {node_id}") as connection:
-            return read_stored_columns(connection, node_id)
+            return read_stored_columns(connection, node_id, images=images)
 
     def last_word_id(self) -> int:
         """The largest id of a word, 0 when there is none."""

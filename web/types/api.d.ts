@@ -475,7 +475,7 @@ export interface paths {
         head?: never;
         /**
          * Change Parameters
-         * @description Change parameters of the engine that runs; answers with the values that it has in force then.
+         * @description Change parameters of the engine that runs, else of the file for its next session; answers with all in force.
          */
         patch: operations["change_parameters"];
         trace?: never;
@@ -554,6 +554,130 @@ export interface paths {
         get: operations["get_timeline"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Trials
+         * @description All trials of this map, the newest first.
+         */
+        get: operations["get_trials"];
+        put?: never;
+        /**
+         * Start Trial
+         * @description Try parameters: the map's nodes are replayed from what is stored of them, and the map stays as it is.
+         */
+        post: operations["start_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Trial
+         * @description A trial, and both sides of its comparison once it is done.
+         */
+        get: operations["get_trial"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Trial
+         * @description Stop a trial; nothing of it stays.
+         */
+        post: operations["cancel_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/discard": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Discard Trial
+         * @description Forget a trial.
+         */
+        post: operations["discard_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/keep": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Keep Trial
+         * @description Make a new map file of a trial, in the first served folder; a file of that name is never replaced.
+         */
+        post: operations["keep_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/take-over": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Take Over Trial
+         * @description Give the map the trial's parameters: the running engine from now on, else the file for its next session.
+         */
+        post: operations["take_over_trial"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1061,6 +1185,22 @@ export interface components {
             to_id: number;
             /** Undone By */
             undone_by: number | null;
+        };
+        /**
+         * KeepTrial
+         * @description The name of a new map file in the first served folder, without ``.db``.
+         */
+        KeepTrial: {
+            /** Name */
+            name: string;
+        };
+        /**
+         * KeptTrial
+         * @description The map that was made of a trial.
+         */
+        KeptTrial: {
+            /** Map */
+            map: string;
         };
         /**
          * Landmark
@@ -2250,6 +2390,16 @@ export interface components {
             speed: number;
         };
         /**
+         * StartTrial
+         * @description Parameters to try, by name.
+         */
+        StartTrial: {
+            /** Changes */
+            changes: {
+                [key: string]: boolean | number | string;
+            };
+        };
+        /**
          * StatisticNames
          * @description All names that the map has, sorted.
          */
@@ -2270,6 +2420,20 @@ export interface components {
             values: {
                 [key: string]: (number | null)[];
             };
+        };
+        /**
+         * TakenOver
+         * @description What became of parameters that were taken over.
+         */
+        TakenOver: {
+            /** Applied */
+            applied: string[];
+            /**
+             * Left
+             * @description Those that a running engine can't change: they need a session of their own.
+             */
+            left: string[];
+            parameters: components["schemas"]["ParameterSet"];
         };
         /**
          * Tier
@@ -2321,6 +2485,205 @@ export interface components {
             revision: number;
             /** Stamps */
             stamps: number[];
+        };
+        /**
+         * Trial
+         * @description A trial of a map, under way or done.
+         */
+        Trial: {
+            /** Changes */
+            changes: components["schemas"]["TrialChange"][];
+            /** Number */
+            number: number;
+            /**
+             * Seconds
+             * @description That it took.
+             */
+            seconds: number;
+            /**
+             * Share
+             * @description How much of it is done, 0 to 1.
+             */
+            share: number;
+            /**
+             * Stale
+             * @description Whether the map has changed since: its outcome is that of the map as it was then.
+             */
+            stale: boolean;
+            /**
+             * Started
+             * @description Seconds since 1970.
+             */
+            started: number;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "running" | "done" | "failed";
+            /**
+             * Text
+             * @description What is being done, or why it failed.
+             */
+            text: string;
+        };
+        /**
+         * TrialChange
+         * @description A parameter that is tried.
+         */
+        TrialChange: {
+            /** Before */
+            before: boolean | number | string;
+            /** Name */
+            name: string;
+            /** Value */
+            value: boolean | number | string;
+        };
+        /**
+         * TrialComparison
+         * @description Both sides of a trial, and the map as it was made.
+         */
+        TrialComparison: {
+            /** @description Replayed with its own parameters, from the same stored key points: what the trial is compared with. */
+            baseline: components["schemas"]["TrialSide"];
+            /** Came */
+            came: components["schemas"]["TrialLoop"][];
+            /**
+             * Drift M
+             * @description The farthest that a node of the replay as it was is from where the map has it.
+             */
+            drift_m: number;
+            /** Gone */
+            gone: components["schemas"]["TrialLoop"][];
+            /**
+             * Images
+             * @description Why images had to be decoded; empty where stored key points were enough.
+             */
+            images: string;
+            /** Max Shift M */
+            max_shift_m: number;
+            /**
+             * Moved
+             * @description Poses that differ between both replays by more than 1 mm or 0.05 deg.
+             */
+            moved: number;
+            original: components["schemas"]["TrialSide"];
+            tried: components["schemas"]["TrialSide"];
+            /**
+             * Unlike
+             * @description Loops that either the map or its replay as it was has.
+             */
+            unlike: number;
+        };
+        /**
+         * TrialLoop
+         * @description A loop that one of two replays lacks.
+         */
+        TrialLoop: {
+            /**
+             * Key
+             * @description Both ids in this map, newer first, ``147-61``.
+             */
+            key: string;
+            /**
+             * Known
+             * @description Whether this map's review queue has it.
+             */
+            known: boolean;
+            /**
+             * Reason
+             * @description Why the other one does not have it; empty where it never came to be tried.
+             */
+            reason: string;
+            /** Type */
+            type: string;
+        };
+        /**
+         * TrialOutcome
+         * @description A trial with what came of it.
+         */
+        TrialOutcome: {
+            /** @description Null while it runs, and when it failed. */
+            comparison: components["schemas"]["TrialComparison"] | null;
+            trial: components["schemas"]["Trial"];
+        };
+        /**
+         * TrialSide
+         * @description What came of one run; null where its file does not say.
+         */
+        TrialSide: {
+            /** Ate M */
+            ate_m: number | null;
+            /**
+             * Ids
+             * @description Nodes of this map that have a pose.
+             */
+            ids: number[];
+            /**
+             * Loop Pairs
+             * @description Both ids of each loop.
+             */
+            loop_pairs: number[][];
+            /**
+             * Loops
+             * @description By the name of their type.
+             */
+            loops: {
+                [key: string]: number;
+            };
+            /** Loops Total */
+            loops_total: number;
+            /** Ltm End */
+            ltm_end: number | null;
+            /** Max Ms */
+            max_ms: number | null;
+            /**
+             * Median Ms
+             * @description Of the updates.
+             */
+            median_ms: number | null;
+            /** Nodes */
+            nodes: number;
+            /** P95 Ms */
+            p95_ms: number | null;
+            /** Path M */
+            path_m: number;
+            /** Poses */
+            poses: number[][];
+            /**
+             * Refused
+             * @description Pairs that were tried and are no loop.
+             */
+            refused: number;
+            /** Retrieved */
+            retrieved: number | null;
+            /** Sessions */
+            sessions: number;
+            /** Stm Max */
+            stm_max: number | null;
+            /** Transferred */
+            transferred: number | null;
+            /**
+             * Update Ids
+             * @description Nodes of the updates, by their ids in this map; the next two have a value for each.
+             */
+            update_ids: number[];
+            /** Update Ms */
+            update_ms: (number | null)[];
+            /** Wm */
+            wm: (number | null)[];
+            /**
+             * Wm Max
+             * @description Most nodes in working memory.
+             */
+            wm_max: number | null;
+        };
+        /**
+         * Trials
+         * @description The trials of a map, the newest first.
+         */
+        Trials: {
+            /** Trials */
+            trials: components["schemas"]["Trial"][];
         };
         /**
          * UserData
@@ -4527,6 +4890,495 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["TimelineUpdates"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_trials: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Trials"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    start_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartTrial"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Trial"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TrialOutcome"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    cancel_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    discard_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    keep_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["KeepTrial"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["KeptTrial"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    take_over_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TakenOver"];
                 };
             };
             /** @description No token. */
