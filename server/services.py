@@ -62,9 +62,9 @@ class Services:
         self.session = RunSession(self.hub, self._heard)
         self.editors = Editors(self._heard)
         self.jobs = Jobs(self.hub)
-        self.scenes = Scenes(self.hub)
-        self.robust = RobustWeights(self.hub)
         self.trials = TrialRunner(self.hub, settings.scratch)
+        self.scenes = Scenes(self.hub, self.trials.ghosts)
+        self.robust = RobustWeights(self.hub)
         self._views: OrderedDict[tuple[str, int], MapView] = OrderedDict()
         self._lock = threading.Lock()
 

@@ -7,7 +7,7 @@ import json
 import threading
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -15,11 +15,12 @@ from shutil import rmtree
 from typing import Any
 
 from server.browse.map_view import MapView
+from server.browse.trial_ghosts import ghosts_of
 from server.engine.nursery import nursery
 from server.engine.trial import MAP, NODES, OUTCOME, TrialJob, trial_main
 from server.errors import EngineError, NotFoundError
 from server.hub import Hub
-from server.schemas import Trial, TrialChange, TrialComparison, TrialOutcome
+from server.schemas import LoopWhatIf, Trial, TrialChange, TrialComparison, TrialOutcome
 from slam.errors import DatabaseError, SlamError
 from slam.params import Params, Value
 from slam.saving import save
@@ -29,6 +30,8 @@ from slam.tools.wanted import Wanted, check
 _RECORD = "trial.json"
 #: Folders of the trial's user alone: maps are nobody else's business.
 _MODE = 0o700
+#: Longest time to wait until a process that was killed is gone.
+_STOP_SECONDS = 10.0
 
 
 @dataclass(slots=True, eq=False)
@@ -41,6 +44,7 @@ class _Work:
     of: str
     process: BaseProcess
     cancelled: bool = False
+    ended: threading.Event = field(default_factory=threading.Event)
 
 
 class TrialRunner:
@@ -102,6 +106,13 @@ class TrialRunner:
         except (OSError, ValueError) as error:
             raise DatabaseError(f"{path} can't be read: discard trial {number} and try again") from error
 
+    def ghosts(self, view: MapView, number: int) -> LoopWhatIf | None:
+        """What the map would be by a trial, as the 3D view draws it; None where the trial is gone or not done."""
+        if not any(one.number == number and one.state == "done" for one in self.of(view)):
+            return None
+        found = self.outcome(view, number).comparison
+        return None if found is None else ghosts_of(found)
+
     def cancel(self, view: MapView, number: int) -> None:
         """Stop a trial; nothing of it stays. NotFoundError when it is not under way."""
         with self._lock:
@@ -110,6 +121,7 @@ class TrialRunner:
                 raise NotFoundError(f"trial {number} of {view.file.name} is not under way: there is nothing to cancel")
             work.cancelled = True
             work.process.kill()
+        work.ended.wait(_STOP_SECONDS)
 
     def discard(self, view: MapView, number: int) -> None:
         """Forget a trial; NotFoundError when there is none, EngineError while it is under way."""
@@ -156,6 +168,7 @@ class TrialRunner:
         with self._lock:
             self._end(work, error)
             self._work = None
+        work.ended.set()
         self._tell(work)
 
     def _end(self, work: _Work, error: SlamError | None) -> None:

@@ -33,15 +33,17 @@ def get_trial(services: ServicesDep, view: ViewDep, number: Number) -> TrialOutc
 
 
 @router.post("/{number}/cancel")
-def cancel_trial(services: ServicesDep, view: ViewDep, number: Number) -> None:
-    """Stop a trial; nothing of it stays."""
+def cancel_trial(services: ServicesDep, view: ViewDep, number: Number) -> Trials:
+    """Stop a trial; nothing of it stays. Answers with those that are left."""
     services.trials.cancel(view, number)
+    return Trials(trials=services.trials.of(view))
 
 
 @router.post("/{number}/discard")
-def discard_trial(services: ServicesDep, view: ViewDep, number: Number) -> None:
-    """Forget a trial."""
+def discard_trial(services: ServicesDep, view: ViewDep, number: Number) -> Trials:
+    """Forget a trial. Answers with those that are left."""
     services.trials.discard(view, number)
+    return Trials(trials=services.trials.of(view))
 
 
 @router.post("/{number}/take-over")

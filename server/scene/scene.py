@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from server.browse.map_view import MapView
 from server.browse.snapshot import Pair
+from server.schemas import LoopWhatIf
 from server.schemas.scene import Scene, SceneChange, SceneLayers
 from slam.errors import SlamError
 from slam.geometry import Pose
@@ -26,12 +27,21 @@ class MapScene:
         port: of the viser server on 127.0.0.1.
     """
 
-    def __init__(self, view: MapView, on_select: Callable[[str, tuple[int, ...]], None], *, dark: bool = True) -> None:
+    def __init__(
+        self,
+        view: MapView,
+        on_select: Callable[[str, tuple[int, ...]], None],
+        trial: Callable[[int], LoopWhatIf | None] = lambda _: None,
+        *,
+        dark: bool = True,
+    ) -> None:
+        """Start the view; ``trial`` says what the map would be by a trial, None where there is none."""
         # viser takes a second to load: only who opens a view waits for it.
         from server.scene.painter import Painter
 
         self.view = view
         self._on_select = on_select
+        self._trial = trial
         self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark)
         self._lock = threading.Lock()
         self._changed = threading.Event()
@@ -71,6 +81,8 @@ class MapScene:
             state.dark = change.dark if change.dark is not None else state.dark
             if "what_if" in named:
                 state.what_if = change.what_if
+            if "trial" in named:
+                state.trial = change.trial
             if "overlay" in named:
                 state.overlay = change.overlay
             if "at" in named:
@@ -106,11 +118,16 @@ class MapScene:
         if self._stale.is_set():
             self._stale.clear()
             state = self.state()
-            ghosts = None if state.what_if is None else self.view.what_ifs.at(state.what_if, with_graph=True)
             moment = None if state.at is None else self.view.timeline().moment(state.at)
-            self._painter.draw(self.view.snapshot(), state, ghosts, moment)
+            self._painter.draw(self.view.snapshot(), state, self._ghosts(state), moment)
         if pose is not None and self._state.at is None:
             self._painter.move(pose)
+
+    def _ghosts(self, state: Scene) -> LoopWhatIf | None:
+        """What the map would be, by another threshold or else by a trial."""
+        if state.what_if is not None:
+            return self.view.what_ifs.at(state.what_if, with_graph=True)
+        return None if state.trial is None else self._trial(state.trial)
 
     def _work(self) -> None:
         """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did."""

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from server.browse.map_view import MapView
 from server.hub import Hub
 from server.scene.scene import MapScene
+from server.schemas import LoopWhatIf
 from slam.geometry import Pose
 
 _OPEN = 4
@@ -19,8 +20,10 @@ OnSelect = Callable[[str, tuple[int, ...]], None]
 class Scenes:
     """One 3D view for each map that somebody looks at, made when it is first asked for."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: Hub, trial: Callable[[MapView, int], LoopWhatIf | None]) -> None:
+        """No view yet; ``trial`` says what a map would be by a trial."""
         self._hub = hub
+        self._trial = trial
         self._lock = threading.Lock()
         self._scenes: OrderedDict[str, MapScene] = OrderedDict()
 
@@ -31,7 +34,8 @@ class Scenes:
             if scene is None or scene.view is not view:
                 if scene is not None:
                     scene.close()
-                scene = self._scenes[view.file.id] = MapScene(view, self._selected(view.file.id))
+                scene = MapScene(view, self._selected(view.file.id), lambda number: self._trial(view, number))
+                self._scenes[view.file.id] = scene
             self._scenes.move_to_end(view.file.id)
             while len(self._scenes) > _OPEN:
                 self._scenes.popitem(last=False)[1].close()

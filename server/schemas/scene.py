@@ -36,6 +36,8 @@ class Scene(Schema):
     selected_link: Pair | None = None
     what_if: float | None = None
     """The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts."""
+    trial: int | None = None
+    """The trial whose loops and path are shown as ghosts, where no threshold's are."""
     overlay: Overlay | None = None
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
     at: int | None = None
@@ -63,5 +65,6 @@ class SceneChange(Schema):
     selected_node: int | None = None
     selected_link: Pair | None = None
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
+    trial: Annotated[int, Field(ge=1)] | None = None
     overlay: Overlay | None = None
     at: Annotated[int, Field(ge=1)] | None = None

@@ -615,7 +615,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Trial
-         * @description Stop a trial; nothing of it stays.
+         * @description Stop a trial; nothing of it stays. Answers with those that are left.
          */
         post: operations["cancel_trial"];
         delete?: never;
@@ -635,7 +635,7 @@ export interface paths {
         put?: never;
         /**
          * Discard Trial
-         * @description Forget a trial.
+         * @description Forget a trial. Answers with those that are left.
          */
         post: operations["discard_trial"];
         delete?: never;
@@ -2188,6 +2188,11 @@ export interface components {
             /** Selected Node */
             selected_node?: number | null;
             /**
+             * Trial
+             * @description The trial whose loops and path are shown as ghosts, where no threshold's are.
+             */
+            trial?: number | null;
+            /**
              * What If
              * @description The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts.
              */
@@ -2211,6 +2216,8 @@ export interface components {
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /** Trial */
+            trial?: number | null;
             /** What If */
             what_if?: number | null;
         };
@@ -5167,7 +5174,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": unknown;
+                    "application/json": components["schemas"]["Trials"];
                 };
             };
             /** @description No token. */
@@ -5236,7 +5243,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": unknown;
+                    "application/json": components["schemas"]["Trials"];
                 };
             };
             /** @description No token. */
