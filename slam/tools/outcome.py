@@ -65,22 +65,21 @@ class Outcome:
         return Counter(link.type.label for link in self.loops.values())
 
 
-def outcome(reader: MapReader, old_ids: Mapping[int, int] | None = None) -> Outcome:
+def outcome(reader: MapReader, old_ids: Mapping[int, int]) -> Outcome:
     """What came of the run that made a map file.
 
     Args:
         reader: of the file.
-        old_ids: its nodes -> nodes of the map that it is compared with; None where it is that map. Nodes that are not
-            there are left out of all that goes by ids.
+        old_ids: its nodes -> nodes of the map that it is compared with; others are left out.
 
     Raises:
         DatabaseError: the file can't be read.
         OptimizationError: poses that it lacks can't be worked out.
     """
     table = reader.nodes()
-    rows = np.flatnonzero(table.weights > WEIGHT_INTERMEDIATE)
+    rows = np.flatnonzero((table.weights > WEIGHT_INTERMEDIATE) & np.isin(table.ids, list(old_ids)))
     ids, map_ids = table.ids[rows].tolist(), table.map_ids[rows]
-    names = {i: i for i in ids} if old_ids is None else {i: old_ids[i] for i in ids if i in old_ids}
+    names = {i: old_ids[i] for i in ids}
     poses, links = _poses(reader), reader.links()
     placed = [k for k, i in enumerate(ids) if i in poses]
     T_map = np.array([poses[ids[k]] for k in placed]).reshape(-1, 4, 4)
@@ -103,7 +102,7 @@ def outcome(reader: MapReader, old_ids: Mapping[int, int] | None = None) -> Outc
         ltm_end=_whole(columns[_LTM], lambda values: values[-1]),
         retrieved=_whole(columns[_RETRIEVED], np.sum),
         transferred=_whole(columns[_REMOVED], np.sum),
-        poses={names[i]: poses[i] for i in ids if i in names and i in poses},
+        poses={names[i]: poses[i] for i in ids if i in poses},
     )
 
 

@@ -55,6 +55,7 @@ class Replay:
         with_features: whether frames bring the key points that were stored; else they are found anew.
         with_words: whether those of the first file keep their words; words of several files would not be the same.
         images: which of them are decoded, and kept.
+        last_id: of the nodes that are replayed; None for all.
         ids: which node of which file each frame is, by the frame's index; filled while the frames are read.
         unreadable: images that could not be decoded, a text for each; likewise.
     """
@@ -63,6 +64,7 @@ class Replay:
     with_features: bool = True
     with_words: bool = True
     images: ImageUse = field(default_factory=ImageUse)
+    last_id: int | None = None
     ids: list[OldId] = field(default_factory=list)
     unreadable: list[str] = field(default_factory=list)
 
@@ -83,7 +85,11 @@ class Replay:
 
     def __len__(self) -> int:
         """Number of nodes that are replayed."""
-        return sum(int((reader.nodes().weights > WEIGHT_INTERMEDIATE).sum()) for reader in self.readers)
+        ordinary = (table.ids[table.weights > WEIGHT_INTERMEDIATE] for table in (one.nodes() for one in self.readers))
+        return sum(sum(self._is_wanted(node_id) for node_id in ids.tolist()) for ids in ordinary)
+
+    def _is_wanted(self, node_id: int) -> bool:
+        return self.last_id is None or node_id <= self.last_id
 
     def __iter__(self) -> Iterator[Frame]:
         """Each node with all that its file has of it.
@@ -102,7 +108,7 @@ class Replay:
         camera, gap, alone = _first_camera(reader), Gap(links), _constraints(links)
         for row, node_id in enumerate(table.ids.tolist()):
             weight = int(table.weights[row])
-            if weight <= WEIGHT_INVALID:
+            if weight <= WEIGHT_INVALID or not self._is_wanted(node_id):
                 continue
             covariance = gap.to(node_id, ordinary=weight > WEIGHT_INTERMEDIATE)
             if weight <= WEIGHT_INTERMEDIATE:

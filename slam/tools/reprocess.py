@@ -59,6 +59,7 @@ class Request:
         seed: of everything random.
         force: replace a file of the output's name.
         images: which of them are decoded, and kept.
+        last_id: of the nodes that are replayed; None for all.
     """
 
     inputs: Sequence[Path]
@@ -69,6 +70,7 @@ class Request:
     seed: int = 0
     force: bool = False
     images: ImageUse = field(default_factory=ImageUse)
+    last_id: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,7 +101,7 @@ def replayed(request: Request, on_frame: OnFrame | None = None) -> Replayed:
     check_files(params)
     keeps = _keeps_features(readers[0], request)
     words = keeps and not changes_words(request.changes, taken(readers[0]).params)
-    replay = Replay(readers, with_features=keeps, with_words=words, images=request.images)
+    replay = Replay(readers, with_features=keeps, with_words=words, images=request.images, last_id=request.last_id)
     with new_map(request.output, request.inputs, force=request.force) as part:
         summary, ids = _mapped(replay, params, part, request, on_frame)
         sessions = _sessions(MapReader(part), ids, replay, len(readers))

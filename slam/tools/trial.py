@@ -72,7 +72,11 @@ def carry_out(wanted: Wanted, baseline: Path, output: Path, on_share: OnShare) -
     reader = MapReader(wanted.path)
     why, images = _images(before, after)
     _warm_up(Replay([reader], images=images), after)
-    request = Request(inputs=[wanted.path], output=output, seed=_seed(reader), force=True, images=images)
+    # A map that is being made goes on growing: all sides are of the nodes that it has now.
+    now = reader.node_ids().tolist()
+    request = Request(
+        inputs=[wanted.path], output=output, seed=_seed(reader), force=True, images=images, last_id=max(now, default=0)
+    )
     # The baseline is there once it says whose its nodes are.
     known, begin = baseline.with_suffix(".json"), 0.0
     if not known.exists():
@@ -82,7 +86,8 @@ def carry_out(wanted: Wanted, baseline: Path, output: Path, on_share: OnShare) -
     ids = {int(new_id): int(old_id) for new_id, old_id in json.loads(known.read_text("utf-8")).items()}
     request = replace(request, changes={**wanted.base, **wanted.changes})
     old_ids = _replayed(request, begin, 1.0, "with the changes", on_share)
-    was, repeated, tried = outcome(reader), outcome(MapReader(baseline), ids), outcome(MapReader(output), old_ids)
+    was = outcome(reader, {i: i for i in now})
+    repeated, tried = outcome(MapReader(baseline), ids), outcome(MapReader(output), old_ids)
     return _compared(was, repeated, tried, old_ids, why)
 
 

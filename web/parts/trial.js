@@ -13,9 +13,12 @@ import { TrialPaths } from "./trial_paths.js";
 /** @typedef {import("../types/http").Schemas} Schemas */
 /** @typedef {Schemas["TrialComparison"]} Comparison */
 /** @typedef {Schemas["TrialSide"]} Side */
-/** @typedef {{label: string, hint?: string, of: (side: Side) => number | null | undefined, show?: (value: number | null | undefined) => string, less?: boolean}} Measure less: is better */
+/** @typedef {{label: string, hint?: string, of: (side: Side) => number | null | undefined, show?: (value: number | null | undefined) => string, less?: boolean, noise?: number}} Measure less: is better; noise: share by which it differs without a reason */
 
 const ms = (/** @type {number | null | undefined} */ value) => (value == null ? text.NONE : `${text.fixed(value, 1)} ms`);
+
+/** Times of two runs differ by this much on a machine that does other things as well. */
+const NOISE = 0.25;
 
 /** @type {Measure[]} */
 const MEASURES = [
@@ -27,9 +30,9 @@ const MEASURES = [
   { label: "Refused", hint: "Pairs that were tried and are no loop", of: ({ refused }) => refused },
   { label: "ATE", hint: "Trajectory error of the nodes, where truth is known", of: ({ ate_m: ate }) => ate, show: text.length, less: true },
   { label: "Path", hint: "Length of the optimised path", of: ({ path_m: path }) => path, show: text.length },
-  { label: "Update, median", hint: "A replay tracks nothing and finds no key points: compare it with the replay, not with the map", of: ({ median_ms: time }) => time, show: ms, less: true },
-  { label: "Update, 95 %", hint: "Of 100 updates 95 took no longer", of: ({ p95_ms: time }) => time, show: ms, less: true },
-  { label: "Update, longest", of: ({ max_ms: time }) => time, show: ms, less: true },
+  { label: "Update, median", hint: "A replay tracks nothing and finds no key points: compare it with the replay, not with the map", of: ({ median_ms: time }) => time, show: ms, less: true, noise: NOISE },
+  { label: "Update, 95 %", hint: "Of 100 updates 95 took no longer", of: ({ p95_ms: time }) => time, show: ms, less: true, noise: NOISE },
+  { label: "Update, longest", of: ({ max_ms: time }) => time, show: ms, less: true, noise: NOISE },
   { label: "Largest WM", of: ({ wm_max: most }) => most },
   { label: "Largest STM", of: ({ stm_max: most }) => most },
   { label: "LTM at the end", of: ({ ltm_end: count }) => count },
@@ -105,13 +108,14 @@ function numbers({ original, baseline, tried }) {
 }
 
 /** @param {Measure} measure @param {Side} original @param {Side} baseline @param {Side} tried */
-function numberRow({ label, hint, of, show = text.whole, less }, original, baseline, tried) {
+function numberRow({ label, hint, of, show = text.whole, less, noise = 0 }, original, baseline, tried) {
   const [was, before, after] = [original, baseline, tried].map((side) => of(side) ?? null);
   const change = before !== null && after !== null ? after - before : null;
   const differs = change !== null && show(before) !== show(after);
-  const tone = !differs ? "quiet" : !less ? "ink-accent strong" : Number(change) < 0 ? "ink-good strong" : "ink-bad strong";
+  const noted = differs && Math.abs(Number(change)) > noise * Math.abs(Number(before));
+  const tone = !noted ? "quiet" : !less ? "ink-accent strong" : Number(change) < 0 ? "ink-good strong" : "ink-bad strong";
   const sign = Number(change) > 0 ? "+" : "";
-  return html`<tr key=${label} class=${cx(differs && "trial-differs")} data-measure=${label}>
+  return html`<tr key=${label} class=${cx(noted && "trial-differs")} data-measure=${label}>
     <th scope="row" title=${hint}>${label}</th>
     <td class="right quiet">${show(was)}</td>
     <td class="right">${show(before)}</td>

@@ -16,6 +16,7 @@ from slam.geometry import translation_norm
 from slam.params import Params, Value
 from slam.tools.kept import keep
 from slam.tools.outcome import outcome
+from slam.tools.reprocess import Request, reprocess
 from slam.tools.trial import Comparison, carry_out
 from slam.tools.wanted import Wanted, check
 from tests.tours import EVERY, mapped, saved
@@ -130,3 +131,13 @@ def test_parameters_that_are_changed_are_those_of_the_next_session(tmp_path: Pat
     assert MapReader(path).parameters() == {**before, "Vis/MinInliers": "40"}
     assert [(c.name, c.value) for c in MapReader(path).parameter_changes()] == [("Vis/MinInliers", "40")]
     assert Params().Vis.MinInliers != 40
+
+
+def test_nodes_that_come_after_the_last_one_asked_for_are_left_out(tmp_path: Path) -> None:
+    """A map that is being made goes on growing while it is replayed."""
+    told: list[int] = []
+    request = Request(inputs=[saved(0)], output=tmp_path / "some.db", last_id=9)
+    summary = reprocess(request, lambda *said: told.append(said[2]))
+    assert summary["nodes"] == 9 and set(told) == {9}
+    some = outcome(MapReader(saved(0)), {i: i for i in range(1, 10)})
+    assert some.nodes == 9 and list(some.poses) == some.ids.tolist() == list(range(1, 10))
