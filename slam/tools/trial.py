@@ -71,6 +71,8 @@ def carry_out(wanted: Wanted, baseline: Path, output: Path, on_share: OnShare) -
     before, after = check(wanted)
     reader = MapReader(wanted.path)
     why, images = _images(before, after)
+    # Each node was worth keeping once, whatever is in force for those to come.
+    base = {name: value for name, value in wanted.base.items() if name not in EVERY_NODE}
     _warm_up(Replay([reader], images=images), after)
     # A map that is being made goes on growing: all sides are of the nodes that it has now.
     now = reader.node_ids().tolist()
@@ -81,10 +83,10 @@ def carry_out(wanted: Wanted, baseline: Path, output: Path, on_share: OnShare) -
     known, begin = baseline.with_suffix(".json"), 0.0
     if not known.exists():
         begin = 0.5
-        as_it_was = replace(request, output=baseline, changes=wanted.base, images=_images_of(before))
+        as_it_was = replace(request, output=baseline, changes=base, images=_images_of(before))
         save(known, json.dumps(_replayed(as_it_was, 0.0, begin, "as it was", on_share)))
     ids = {int(new_id): int(old_id) for new_id, old_id in json.loads(known.read_text("utf-8")).items()}
-    request = replace(request, changes={**wanted.base, **wanted.changes})
+    request = replace(request, changes={**base, **wanted.changes})
     old_ids = _replayed(request, begin, 1.0, "with the changes", on_share)
     was = outcome(reader, {i: i for i in now})
     repeated, tried = outcome(MapReader(baseline), ids), outcome(MapReader(output), old_ids)

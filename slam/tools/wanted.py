@@ -45,7 +45,7 @@ def check(wanted: Wanted) -> tuple[Params, Params]:
                 f"{name} decides how frames are tracked, and a trial has odometry as it was stored: leave it out, and "
                 "try it by a new run or `slamdeck reprocess --odometry own`"
             )
-    if not after.Mem.IncrementalMemory:
+    if "Mem/IncrementalMemory" in wanted.changes and not after.Mem.IncrementalMemory:
         raise ParameterError("Mem/IncrementalMemory false would make no map: a trial makes one")
     if all(after.get(name) == before.get(name) for name in wanted.changes):
         raise ParameterError("nothing would change: give at least one parameter another value than it has")

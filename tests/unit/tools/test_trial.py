@@ -99,8 +99,10 @@ def test_what_a_replay_cannot_tell_is_refused(changes: Mapping[str, Value], said
 
 
 def test_values_in_force_that_the_file_does_not_tell_are_those_of_both_replays(tmp_path: Path) -> None:
-    wanted = Wanted(saved(0), {"Vis/MinInliers": 30}, {"Mem/STMSize": 3})
+    base: dict[str, Value] = {"Mem/STMSize": 3, "Mem/IncrementalMemory": False, "RGBD/LinearUpdate": 50.0}
+    wanted = Wanted(saved(0), {"Vis/MinInliers": 30}, base)
     found = carry_out(wanted, tmp_path / "base.db", tmp_path / "tried.db", lambda *_: None)
+    assert found.baseline.nodes == found.tried.nodes == found.original.nodes
     assert found.baseline.stm_max == found.tried.stm_max == 3 and found.original.stm_max == EVERY.Mem.STMSize
 
 
