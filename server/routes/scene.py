@@ -20,3 +20,9 @@ def get_scene(services: ServicesDep, view: ViewDep) -> Scene:
 def change_scene(services: ServicesDep, view: ViewDep, change: SceneChange) -> Scene:
     """Change some of them, for everybody who looks at this map."""
     return services.scenes.get(view).change(change)
+
+
+@router.post("/look", status_code=204)
+def look_at_selected(services: ServicesDep, view: ViewDep) -> None:
+    """Bring the cameras of everybody who looks at this map to the selected node."""
+    services.scenes.get(view).look_at_selected()

@@ -42,9 +42,17 @@ class Highlight:
         self._viewed: int | None = None
 
     def draw(
-        self, snapshot: Snapshot, graph: PlacedGraph, node: int | None, link: Pair | None, measure: Measure, look: Theme
+        self,
+        snapshot: Snapshot,
+        graph: PlacedGraph,
+        node: int | None,
+        link: Pair | None,
+        measure: Measure,
+        look: Theme,
+        *,
+        frustum: bool = True,
     ) -> None:
-        """Show the selection where it is now; what the map does not have is not shown."""
+        """Show the selection where it is now, a node with or without its view; what the map lacks is not shown."""
         pair = link if link is not None and set(link) <= graph.rows.keys() else None
         single = node if node in graph.rows else None
         ids = pair or (() if single is None else (single,))
@@ -55,7 +63,7 @@ class Highlight:
         self._arc.draw(chain(path) if linked else dashed(path, measure.node), look.selected)
         top = np.concatenate([places, path])
         self._write(" → ".join(str(i) for i in ids), top.mean(axis=0) if len(top) else np.zeros(3), top, measure)
-        self._show_view(snapshot, graph, single, measure, look)
+        self._show_view(snapshot, graph, single if frustum else None, measure, look)
 
     def _write(self, text: str, middle: NDArray[np.float64], content: NDArray[np.float64], measure: Measure) -> None:
         """Name the selection, above the middle of it."""
