@@ -17,6 +17,7 @@ from server.browse.snapshot import Pair, Snapshot
 from server.errors import NotFoundError
 from server.schemas import LinkDetail
 from slam.database.sensor_values import text_in
+from slam.errors import DatabaseError
 from slam.geometry import between, rotation_angle, translation_norm
 from slam.graph.optimizer import chi2
 from slam.types import Candidate, Link
@@ -43,7 +44,7 @@ def link_detail(
     ends = [snapshot.poses.get(node_id) for node_id in (link.from_id, link.to_id)]
     optimized = None if ends[0] is None or ends[1] is None else between(ends[0], ends[1])
     off = None if optimized is None or T_from_to is None else between(T_from_to, optimized)
-    attached = snapshot.reader.link_user_data(*pair)
+    attached, problem = _attached(snapshot, pair)
     return LinkDetail(
         from_=link.from_id,
         to=link.to_id,
@@ -72,6 +73,7 @@ def link_detail(
         off_deg=None if off is None else float(np.degrees(rotation_angle(off))),
         merged_scans=_merged_scans(attached),
         user_data=user_data_facts(attached),
+        problem=problem,
         walk=link_walk(snapshot, pair, link.type),
     )
 
@@ -97,6 +99,14 @@ def _removed(snapshot: Snapshot, pair: Pair) -> Link | None:
     """The link that a decision took out of the graph."""
     entry = snapshot.history.last(pair)
     return None if entry is None else entry.link_before
+
+
+def _attached(snapshot: Snapshot, pair: Pair) -> tuple[NDArray[np.generic] | None, str]:
+    """User data of the link, or why they can't be read: the rest of the link can be looked at all the same."""
+    try:
+        return snapshot.reader.link_user_data(*pair), ""
+    except DatabaseError as error:
+        return None, f"user data: {error}"
 
 
 def _merged_scans(attached: NDArray[np.generic] | None) -> list[int]:

@@ -61,6 +61,9 @@ class Pixels:
         camera = depths.cameras[number] if depths.cameras else None
         place = None if camera is None else _place(camera, column - number * tile, row, tile, height)
         seen = _point(camera, place, depth) if known and camera is not None and place is not None else None
+        if seen is not None and not np.isfinite(seen).all():
+            # A calibration with nonsense in it, which the node itself says.
+            seen = None
         return PixelDepth(
             u=None if place is None or camera is None else round(place[0] + number * camera.width, 2),
             v=None if place is None else round(place[1], 2),

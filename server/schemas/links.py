@@ -133,6 +133,8 @@ class LinkDetail(Schema):
     merged_scans: list[int]
     """Nodes whose scans were put together to make it."""
     user_data: UserData | None
+    problem: str
+    """What is stored with it and can't be read, with the reason; empty where all can."""
     walk: LinkWalk
 
 

@@ -1328,6 +1328,11 @@ export interface components {
             optimized: number[] | null;
             /** Posterior */
             posterior: number | null;
+            /**
+             * Problem
+             * @description What is stored with it and can't be read, with the reason; empty where all can.
+             */
+            problem: string;
             reason: components["schemas"]["LoopReason"] | null;
             /** Residual Sigma */
             residual_sigma: number | null;
