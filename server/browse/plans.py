@@ -22,6 +22,7 @@ _EMPTY, _GROUND, _OBSTACLE = (170, 150, 130, 90), (96, 170, 52, 210), (70, 96, 2
 _POINT = (220, 150, 50, 255)
 #: Heights are coloured between these shares of all points.
 _LEAST, _MOST = 2.0, 98.0
+_FEW = 1500
 
 
 def grid_picture(view: MapView, node_id: int) -> bytes:
@@ -62,8 +63,10 @@ def scan_picture(view: MapView, node_id: int) -> bytes:
     picture = np.zeros((2 * _SCAN_HALF, 2 * _SCAN_HALF, 4), np.uint8)
     rows, columns = _pixels(points[order, :2], scan_reach(points), len(picture))
     picture[rows, columns] = _coloured(values)[order]
+    # Few points are drawn large enough to be seen.
+    pixels = 5 if len(points) < _FEW else 3
     if len(points) < _SCAN_HALF**2 // 8:
-        picture = cv2.dilate(picture, np.ones((3, 3), np.uint8)).astype(np.uint8)
+        picture = cv2.dilate(picture, np.ones((pixels, pixels), np.uint8)).astype(np.uint8)
     return _png(picture)
 
 

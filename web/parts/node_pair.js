@@ -16,6 +16,7 @@ import { Lightbox } from "./lightbox.js";
 import { SecondPicture } from "./node_images.js";
 import { nodeFacts } from "./node_facts.js";
 import { NodeSlider, nodeBeside } from "./node_slider.js";
+import { Overlay } from "./overlay.js";
 import { PairPicture } from "./pair_picture.js";
 import { Cross, PixelLine } from "./pixel.js";
 import { rotationText, translationText } from "./pose.js";
@@ -102,6 +103,7 @@ function Both({ map, first, other, common }) {
       ${(first.has_depth || other.has_depth) && h(DepthLook, {})}
       ${large && h(Lightbox, { title: `Nodes ${first.id} and ${other.id}`, close: () => setLarge(false), children: picture })}
     </figure>
+    ${h(Overlay, { from: first.id, to: other.id, measured: common.links.some(({ transform }) => transform !== null) })}
     ${h(Differences, { common })} ${h(Between, { first, other, common })} ${h(Beside, { first, other })}
   </div>`;
 }
@@ -126,8 +128,8 @@ function Differences({ common }) {
             <th scope="row">${name}</th>
             <td><b>${text.length(difference?.translation_m)}</b></td>
             <td><b>${difference ? `${text.fixed(difference.rotation_deg, 1)} °` : ""}</b></td>
-            <td>${difference ? translationText(difference.transform).replace(" m", "") : ""}</td>
-            <td>${difference ? rotationText(difference.transform).replace(" °", "") : ""}</td>
+            <td class="small">${difference ? translationText(difference.transform).replace(" m", "") : ""}</td>
+            <td class="small">${difference ? rotationText(difference.transform).replace(" °", "") : ""}</td>
           </tr>`,
         )}
       </tbody>

@@ -46,7 +46,7 @@ export function PairPicture({ map, first, other, left, right, words }) {
       draw: (ctx, width, height) => draw(ctx, width, height, images, left, right, words, pointed?.word ?? null),
     })}
     <p class="pixel-line quiet">
-      ${pointed ? pointed.said : html`<span><b>${text.plural(words.words, "word")}</b> in both, of ${text.whole(words.of[0])} and ${text.whole(words.of[1])}; point at one to follow it</span>`}
+      ${pointed ? pointed.said : html`<span><b>${text.plural(words.words, "word")}</b> in both, of ${text.whole(words.of[0])} and ${text.whole(words.of[1])}${words.words > 0 && "; point at one to follow it"}</span>`}
     </p>
   </div>`;
 }

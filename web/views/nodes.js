@@ -71,7 +71,8 @@ export function Nodes() {
   useEffect(() => void (wanted >= 0 && rows.at(wanted) && select(wanted)));
   const at = wanted >= 0 ? wanted : rows.sought();
   const step = (/** @type {number} */ by) => select(Math.max(0, Math.min(rows.total - 1, at + by)));
-  useKeys({ j: () => step(1), k: () => step(-1) });
+  // Two beside each other have these keys of their own.
+  useKeys(second() === null ? { j: () => step(1), k: () => step(-1) } : {});
 
   return html`<div class="view">
     <div class="view-head">
