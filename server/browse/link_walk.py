@@ -18,7 +18,7 @@ def link_walk(snapshot: Snapshot, pair: Pair, kind: LinkType) -> LinkWalk:
     A loop that is not in the graph is walked from where it would be.
     """
     loops = kind not in _ODOMETRY
-    own, others = (snapshot.loop_pairs, snapshot.odometry_pairs)[:: 1 if loops else -1]
+    own, others = (_pairs(snapshot, loops=wanted) for wanted in (loops, not loops))
     at = bisect_left(own, _along(pair), key=_along)
     here = at < len(own) and own[at] == pair
     after = at + 1 if here else at
@@ -30,6 +30,13 @@ def link_walk(snapshot: Snapshot, pair: Pair, kind: LinkType) -> LinkWalk:
         next=list(own[after]) if after < len(own) else None,
         other=_nearest(others, pair),
     )
+
+
+def _pairs(snapshot: Snapshot, *, loops: bool) -> list[Pair]:
+    """Loops of the graph, or odometry's links, along the path."""
+    links = snapshot.links.items()
+    found = [pair for pair, link in links if (link.type.is_loop if loops else link.type in _ODOMETRY)]
+    return sorted(found, key=_along)
 
 
 def _nearest(pairs: Sequence[Pair], pair: Pair) -> list[int] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -23,7 +23,7 @@ from slam.graph.verify import residual_ratios
 from slam.history import History
 from slam.loop.aliasing import LookAlike, look_alike
 from slam.params import Params, specs
-from slam.types import WEIGHT_INVALID, Link, LinkType, Tier, TrackedFrame
+from slam.types import WEIGHT_INVALID, Link, Tier, TrackedFrame
 
 Pair = tuple[int, int]
 
@@ -117,20 +117,6 @@ class Snapshot:
         """Links between two nodes of the map, by both ids, smaller first."""
         found = self.all_links
         return {link.pair: link for link in found if link.from_id != link.to_id and set(link.pair) <= self.rows.keys()}
-
-    @cached_property
-    def loop_pairs(self) -> list[Pair]:
-        """Loops of the graph in the order of their newer nodes."""
-        return self._pairs_of(lambda kind: kind.is_loop)
-
-    @cached_property
-    def odometry_pairs(self) -> list[Pair]:
-        """Links of odometry, likewise."""
-        return self._pairs_of(lambda kind: kind in (LinkType.NEIGHBOR, LinkType.NEIGHBOR_MERGED))
-
-    def _pairs_of(self, wanted: Callable[[LinkType], bool]) -> list[Pair]:
-        found = [pair for pair, link in self.links.items() if wanted(link.type)]
-        return sorted(found, key=lambda pair: (pair[1], pair[0]))
 
     @cached_property
     def constraints(self) -> list[Link]:

@@ -22,7 +22,9 @@ def change_scene(services: ServicesDep, view: ViewDep, change: SceneChange) -> S
     return services.scenes.get(view).change(change)
 
 
-@router.post("/look", status_code=204)
-def look_at_selected(services: ServicesDep, view: ViewDep) -> None:
+@router.post("/look")
+def look_at_selected(services: ServicesDep, view: ViewDep) -> Scene:
     """Bring the cameras of everybody who looks at this map to the selected node."""
-    services.scenes.get(view).look_at_selected()
+    scene = services.scenes.get(view)
+    scene.look_at_selected()
+    return scene.state()

@@ -72,19 +72,19 @@ def word_points(reader: MapReader, node_id: int, look: Theme) -> DetailPoints:
 
 
 def scan_points(reader: MapReader, node_id: int, look: Theme) -> DetailPoints:
-    """The scan by its colours or intensities; where it has neither, by the directions of its normals.
+    """The scan by its colours or intensities; where neither tells points apart, by the directions of its normals.
 
     Raises:
         SlamError: it can't be read, or there is none.
     """
     stored = reader.stored_scan(node_id)
-    if stored is None:
-        raise DatabaseError(f"node {node_id} has no scan")
+    if stored is None or not len(stored.scan):
+        raise DatabaseError(f"node {node_id} has no points of a scanner")
     points = stored.scan.points_base
     kept, side = spread_points(points, _MOST_SCAN)
     if stored.colours is not None:
         colours = stored.colours[kept]
-    elif stored.intensities is not None:
+    elif stored.intensities is not None and np.ptp(stored.intensities[kept]) > 0:
         colours = _by_value(stored.intensities[kept])
     elif stored.scan.normals_base is not None:
         colours = np.rint((stored.scan.normals_base[kept] + 1.0) * 127.5).astype(np.uint8)
