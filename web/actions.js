@@ -63,6 +63,12 @@ export async function setScene(change) {
   if (answer && map === openMapId.value) scene.value = answer;
 }
 
+/** Bring the camera of the 3D view to the selected node. */
+export async function lookAtSelected() {
+  const map = openMapId.value;
+  if (map) await told(post("/api/scene/{map}/look", { path: { map }, body: undefined }));
+}
+
 /** @param {Record<string, boolean | number | string>} changes */
 export async function setParameters(changes) {
   const map = openMapId.value;

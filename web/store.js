@@ -125,11 +125,13 @@ function refresh() {
 }
 
 function followRoute() {
-  const { view, key } = route.value;
+  const { view, key, query } = route.value;
   if (!key) return;
   const ids = key.split("-").map(Number);
   if (ids.some((id) => !Number.isInteger(id))) return;
-  if (view === "nodes" && ids.length === 1) selection.value = { kind: "node", id: ids[0] };
+  const beside = view === "nodes" ? Number(query.get("b")) : 0;
+  if (Number.isInteger(beside) && beside > 0 && beside !== ids[0]) selection.value = { kind: "link", from: ids[0], to: beside };
+  else if (view === "nodes" && ids.length === 1) selection.value = { kind: "node", id: ids[0] };
   if (view === "loops" && ids.length === 2) selection.value = { kind: "link", from: ids[0], to: ids[1] };
 }
 

@@ -15,6 +15,9 @@ export class Window {
     this.order = /** @type {NodeOrder} */ ("id");
     this.query = "";
     this.dropped = false;
+    /** The node whose row is wanted, and that row; null where it is not in the table. */
+    this.wanted = 0;
+    this.row = /** @type {number | null} */ (null);
     this.total = 0;
     this.loaded = false;
     /** @type {Error | null} */
@@ -74,16 +77,30 @@ export class Window {
     return -1;
   }
 
+  /** Learn the row of a node that may not be here yet. @param {number} id */
+  seek(id) {
+    this.wanted = id;
+    this.row = null;
+    if (this.loaded && this.find(id) < 0) void this.#fetch(Math.floor(this.first / PAGE));
+  }
+
+  /** Index of the node that was sought, -1 while it isn't known and where it is not in the table. */
+  sought() {
+    const here = this.find(this.wanted);
+    return here >= 0 ? here : (this.row ?? -1);
+  }
+
   /** @param {number} page */
   async #fetch(page) {
     this.asked.add(page);
     this.underway += 1;
     const generation = this.generation;
-    const query = { offset: page * PAGE, limit: PAGE, order: this.order, q: this.query, dropped: this.dropped };
+    const query = { offset: page * PAGE, limit: PAGE, order: this.order, q: this.query, dropped: this.dropped, find: this.wanted || undefined };
     try {
       const found = await get("/api/maps/{map}/nodes", { path: { map: this.map }, query });
       if (generation !== this.generation) return;
       this.total = found.total;
+      if (query.find === this.wanted) this.row = found.at;
       this.pages.set(page, found.nodes);
       this.error = null;
     } catch (error) {

@@ -11,6 +11,7 @@ import numpy as np
 from server.browse.beliefs import BeliefLog
 from server.browse.increments import Increments
 from server.browse.moves import Move, moves_of_states
+from server.browse.pixels import Pixels
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
@@ -32,6 +33,7 @@ class MapView:
         increments: what changed in the graph since which revision.
         statistics: of its updates.
         trials: what the images say of loops that were never tried.
+        pixels: depth of single pixels.
         what_ifs: what another ``Rtabmap/LoopThr`` would mean.
     """
 
@@ -41,6 +43,7 @@ class MapView:
         self.increments = Increments()
         self.statistics = StatisticsLog(self.reader)
         self.trials = LoopTrials(self.reader)
+        self.pixels = Pixels(self.reader)
         self.what_ifs = WhatIfs(self)
         self._tiers = TierLog(self.reader)
         self._beliefs = BeliefLog(self.reader)

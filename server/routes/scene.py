@@ -20,3 +20,11 @@ def get_scene(services: ServicesDep, view: ViewDep) -> Scene:
 def change_scene(services: ServicesDep, view: ViewDep, change: SceneChange) -> Scene:
     """Change some of them, for everybody who looks at this map."""
     return services.scenes.get(view).change(change)
+
+
+@router.post("/look")
+def look_at_selected(services: ServicesDep, view: ViewDep) -> Scene:
+    """Bring the cameras of everybody who looks at this map to the selected node."""
+    scene = services.scenes.get(view)
+    scene.look_at_selected()
+    return scene.state()

@@ -46,6 +46,7 @@ class MapScene:
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._stale = threading.Event()
+        self._looking = threading.Event()
         self._pose: Pose | None = None
         self._closing = threading.Event()
         self._painter = Painter(self._clicked_node, self._clicked_link)
@@ -64,6 +65,11 @@ class MapScene:
         self._pose = T_map_base
         self._changed.set()
 
+    def look_at_selected(self) -> None:
+        """Bring the camera of everybody who looks at this map to the selected node, soon."""
+        self._looking.set()
+        self._changed.set()
+
     def state(self) -> Scene:
         """What is shown, and how."""
         with self._lock:
@@ -79,6 +85,8 @@ class MapScene:
                 state.layers = SceneLayers(**layers)
             state.colour = change.colour if change.colour is not None else state.colour
             state.dark = change.dark if change.dark is not None else state.dark
+            state.node_parts = state.node_parts if change.node_parts is None else list(change.node_parts)
+            state.alone = state.alone if change.alone is None else change.alone
             if "what_if" in named:
                 state.what_if = change.what_if
             if "trial" in named:
@@ -122,6 +130,9 @@ class MapScene:
             self._painter.draw(self.view.snapshot(), state, self._ghosts(state), moment)
         if pose is not None and self._state.at is None:
             self._painter.move(pose)
+        if self._looking.is_set():
+            self._looking.clear()
+            self._painter.look_at_selected()
 
     def _ghosts(self, state: Scene) -> LoopWhatIf | None:
         """What the map would be, by another threshold or else by a trial."""

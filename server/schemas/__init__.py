@@ -24,7 +24,17 @@ from server.schemas.edits import (
     StartJob,
 )
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
-from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRival, LoopRow, Loops, LoopWeights
+from server.schemas.links import (
+    LinkDetail,
+    LinkMatches,
+    LinkWalk,
+    LoopDoubt,
+    LoopReason,
+    LoopRival,
+    LoopRow,
+    Loops,
+    LoopWeights,
+)
 from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
 from server.schemas.nodes import (
     CameraModel,
@@ -35,9 +45,13 @@ from server.schemas.nodes import (
     NodeFeatures,
     NodeLink,
     NodePage,
+    NodePair,
     NodeRow,
     NodeSensors,
+    PixelDepth,
+    PoseDifference,
     SensorReading,
+    SharedWords,
     UserData,
     Vector,
 )
@@ -91,6 +105,7 @@ __all__ = [
     "LinkEdit",
     "LinkEditResult",
     "LinkMatches",
+    "LinkWalk",
     "LoopDoubt",
     "LoopReason",
     "LoopRival",
@@ -109,6 +124,7 @@ __all__ = [
     "NodeLabel",
     "NodeLink",
     "NodePage",
+    "NodePair",
     "NodeRow",
     "NodeSensors",
     "Parameter",
@@ -116,6 +132,8 @@ __all__ = [
     "ParameterChoice",
     "ParameterSet",
     "ParameterValue",
+    "PixelDepth",
+    "PoseDifference",
     "PoseList",
     "RefineOptions",
     "RefusedDecision",
@@ -129,6 +147,7 @@ __all__ = [
     "Session",
     "SessionCommand",
     "SessionFacts",
+    "SharedWords",
     "Size",
     "StartJob",
     "StartRun",

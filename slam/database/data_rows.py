@@ -18,7 +18,7 @@ from slam.database.encoder import ImageEncoder
 from slam.database.faults import cell_size_of, number_of
 from slam.database.image_size import claimed_size
 from slam.database.records import NodeRecord
-from slam.database.scans import pack_scan, unpack_scan
+from slam.database.scans import StoredScan, pack_scan, unpack_scan, unpack_stored_scan
 from slam.database.tables import data
 from slam.errors import DatabaseError
 from slam.params import Params
@@ -119,6 +119,12 @@ def read_scan(connection: Connection, node_id: int) -> Scan | None:
     """The cloud of a node; None when it has none."""
     row = connection.execute(select(data.c.scan, data.c.scan_info).where(data.c.id == node_id)).first()
     return None if row is None else unpack_scan(row.scan, row.scan_info)
+
+
+def read_stored_scan(connection: Connection, node_id: int) -> StoredScan | None:
+    """The same with all that is stored of it."""
+    row = connection.execute(select(data.c.scan, data.c.scan_info).where(data.c.id == node_id)).first()
+    return None if row is None else unpack_stored_scan(row.scan, row.scan_info)
 
 
 def read_first_cameras(connection: Connection) -> dict[int, Camera]:

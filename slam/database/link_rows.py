@@ -6,16 +6,20 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, delete, select, text
+from numpy.typing import NDArray
+from sqlalchemy import Connection, delete, func, select, text
 
 from slam.database.blobs import (
     INFORMATION_BYTES,
+    MAX_CLOUD_BYTES,
+    NOTHING,
     TRANSFORM_BYTES,
     check_information,
     pack_information,
     pack_transform,
     stack_informations,
     stack_transforms,
+    unpack_matrix,
 )
 from slam.database.faults import Faults, blob_of, each_sound, link_type_of, whole_of
 from slam.database.insertion import insert_rows
@@ -78,6 +82,15 @@ def read_links(connection: Connection, faults: Faults | None = None) -> list[Lin
         if key not in found or found[key].from_id <= found[key].to_id or item.from_id > item.to_id:
             found[key] = item
     return [found[key] for key in sorted(found)]
+
+
+def read_link_user_data(connection: Connection, from_id: int, to_id: int) -> NDArray[np.generic] | None:
+    """The matrix attached to the link between two nodes, in either direction; None where there is none."""
+    ends = ((link.c.from_id == from_id) & (link.c.to_id == to_id)) | (
+        (link.c.from_id == to_id) & (link.c.to_id == from_id)
+    )
+    blobs = connection.scalars(select(link.c.user_data).where(ends & (func.length(link.c.user_data) > NOTHING)))
+    return unpack_matrix(blobs.first(), MAX_CLOUD_BYTES)
 
 
 def count_one_way(connection: Connection) -> int:

@@ -47,11 +47,14 @@ def test_a_loop_shows_its_evidence(library: Served, open_page: OpenPage) -> None
             return n; }"""
     )
     assert greens > 100, "inlier lines are drawn"
-    for name in ("Inliers", "Sigma", "Residual", "Translation", "Rotation"):
+    for name in ("Inliers", "Sigma", "Residual", "Moved"):
         expect(evidence.get_by_text(name, exact=True)).to_be_visible()
+    for name in ("Measured", "Optimised", "Apart"):
+        expect(evidence.get_by_role("row", name=name)).to_contain_text(re.compile(r"\d m.*\d °", re.S))
     expect(evidence.locator("#why")).to_contain_text("Vis/MinInliers")
     evidence.get_by_text("Covariance 6×6").click()
-    expect(evidence.get_by_role("rowheader")).to_have_text(["x", "y", "z", "roll", "pitch", "yaw"])
+    covariance = evidence.locator(".covariance")
+    expect(covariance.get_by_role("rowheader")).to_have_text(["x", "y", "z", "roll", "pitch", "yaw"])
     clouds = evidence.get_by_role("group", name="Clouds in the 3D view")
     clouds.get_by_role("button", name="by the link").click()
     expect(clouds.get_by_role("button", name="by the link")).to_have_attribute("aria-pressed", "true")
@@ -71,6 +74,13 @@ def test_keys_walk_through_the_queue(library: Served, open_page: OpenPage) -> No
     expect(page).not_to_have_url(first)
     page.keyboard.press("k")
     expect(page).to_have_url(first)
+    # From a loop to odometry's link at its node: the queue does not list it, and it is walked along the path.
+    page.get_by_role("navigation", name="Links along the path").get_by_role("link", name="The odometry link").click()
+    walk = page.get_by_role("navigation", name="Links along the path")
+    expect(walk).to_contain_text(re.compile(r"Odometry link \d+ of \d+"))
+    from_id, to_id = (int(i) for i in page.url.rsplit("/", 1)[1].split("-"))
+    page.keyboard.press("k")
+    expect(page).to_have_url(re.compile(rf"/loops/{from_id - 1}-{to_id - 1}$"))
 
 
 def test_filters_and_order(library: Served, open_page: OpenPage) -> None:

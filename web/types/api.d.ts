@@ -396,6 +396,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/grid.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Grid
+         * @description The local grid from above, likewise.
+         */
+        get: operations["get_node_grid"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/image": {
         parameters: {
             query?: never;
@@ -436,6 +456,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/pair/{other_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Pair
+         * @description What two nodes have in common.
+         */
+        get: operations["get_node_pair"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/pixel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Pixel
+         * @description Depth and point at a place of the images.
+         */
+        get: operations["get_node_pixel"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/right": {
         parameters: {
             query?: never;
@@ -448,6 +508,26 @@ export interface paths {
          * @description The right image of a stereo pair as it is stored.
          */
         get: operations["get_node_right"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/scan.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Scan
+         * @description The scan from above: base in the middle, its x axis up.
+         */
+        get: operations["get_node_scan"];
         put?: never;
         post?: never;
         delete?: never;
@@ -728,6 +808,26 @@ export interface paths {
         patch: operations["change_scene"];
         trace?: never;
     };
+    "/api/scene/{map}/look": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Look At Selected
+         * @description Bring the cameras of everybody who looks at this map to the selected node.
+         */
+        post: operations["look_at_selected"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/session": {
         parameters: {
             query?: never;
@@ -796,6 +896,11 @@ export interface components {
             fy: number;
             /** Height */
             height: number;
+            /**
+             * Mount
+             * @description Of the optical frame (z forward) in the base frame.
+             */
+            mount?: number[] | null;
             /** Width */
             width: number;
         };
@@ -804,6 +909,28 @@ export interface components {
          * @description The stored scan of a node.
          */
         CloudFacts: {
+            /**
+             * Angles Deg
+             * @description First, last and step of a planar scanner, where the file says so.
+             */
+            angles_deg: number[] | null;
+            /**
+             * Format
+             * @description What is stored of each point.
+             */
+            format: string;
+            /** Intensities */
+            intensities: boolean;
+            /**
+             * Most
+             * @description Points of a whole sweep; 0 where the file does not say.
+             */
+            most: number;
+            /**
+             * Mount
+             * @description Of the scanner in the base frame.
+             */
+            mount: number[] | null;
             /** Normals */
             normals: boolean;
             /** Points */
@@ -813,6 +940,16 @@ export interface components {
              * @description Distance of the farthest point from the base.
              */
             range_m: number;
+            /**
+             * Reach M
+             * @description Half of the side of its picture.
+             */
+            reach_m: number;
+            /**
+             * Scanner Range M
+             * @description Least and greatest distance that the scanner measures, where the file says so.
+             */
+            scanner_range_m: number[] | null;
         };
         /**
          * Decision
@@ -1063,6 +1200,16 @@ export interface components {
             ground: number;
             /** Obstacles */
             obstacles: number;
+            /**
+             * Reach M
+             * @description Half of the side of its picture.
+             */
+            reach_m: number;
+            /**
+             * View Point
+             * @description Where it was seen from, in the base frame.
+             */
+            view_point: number[];
         };
         /**
          * Hypothesis
@@ -1297,8 +1444,35 @@ export interface components {
             look_alike: components["schemas"]["LoopRival"] | null;
             /** Matches */
             matches: number | null;
+            /**
+             * Merged Scans
+             * @description Nodes whose scans were put together to make it.
+             */
+            merged_scans: number[];
+            /**
+             * Off
+             * @description The optimised transform as seen from the measured one.
+             */
+            off: number[] | null;
+            /** Off Deg */
+            off_deg: number | null;
+            /**
+             * Off M
+             * @description How far the measured transform is from that.
+             */
+            off_m: number | null;
+            /**
+             * Optimized
+             * @description The same transform by the optimised poses; None where one of the nodes has none.
+             */
+            optimized: number[] | null;
             /** Posterior */
             posterior: number | null;
+            /**
+             * Problem
+             * @description What is stored with it and can't be read, with the reason; empty where all can.
+             */
+            problem: string;
             reason: components["schemas"]["LoopReason"] | null;
             /** Residual Sigma */
             residual_sigma: number | null;
@@ -1323,6 +1497,8 @@ export interface components {
              * @description The node whose update looked at it; None for links that were never a candidate.
              */
             update: number | null;
+            user_data: components["schemas"]["UserData"] | null;
+            walk: components["schemas"]["LinkWalk"];
         };
         /**
          * LinkEdit
@@ -1428,6 +1604,33 @@ export interface components {
             y1: number[];
             /** Y2 */
             y2: number[];
+        };
+        /**
+         * LinkWalk
+         * @description Where a link stands among all of its class, in the order of nodes: odometry's links, or loops in the graph.
+         */
+        LinkWalk: {
+            /**
+             * Index
+             * @description From 1; None where it is not in the graph.
+             */
+            index: number | null;
+            /**
+             * Loops
+             * @description Whether it is walked among loops.
+             */
+            loops: boolean;
+            /** Next */
+            next: number[] | null;
+            /**
+             * Other
+             * @description The nearest link of the other class.
+             */
+            other: number[] | null;
+            /** Previous */
+            previous: number[] | null;
+            /** Total */
+            total: number;
         };
         /**
          * LoopDoubt
@@ -1825,6 +2028,8 @@ export interface components {
             cameras: components["schemas"]["CameraModel"][];
             /** Decisions */
             decisions: components["schemas"]["JournalEntry"][];
+            /** Depth Bytes */
+            depth_bytes: number;
             /**
              * Faults
              * @description What of this node makes no sense; the rest is here.
@@ -1843,6 +2048,8 @@ export interface components {
             has_right: boolean;
             /** Id */
             id: number;
+            /** Image Bytes */
+            image_bytes: number;
             /** Label */
             label: string;
             /** Links */
@@ -1856,6 +2063,13 @@ export interface components {
             /** Pose */
             pose: number[] | null;
             sensors: components["schemas"]["NodeSensors"];
+            /**
+             * Session Index
+             * @description Its place among the nodes of its session, from 1.
+             */
+            session_index: number;
+            /** Session Nodes */
+            session_nodes: number;
             /** Stamp */
             stamp: number;
             /** Statistics */
@@ -1939,8 +2153,20 @@ export interface components {
         NodeLink: {
             /** From */
             from: number;
+            /** Sigma Deg */
+            sigma_deg: number | null;
+            /**
+             * Sigma M
+             * @description Largest standard deviation of the three axes; None where nothing is known.
+             */
+            sigma_m: number | null;
             /** To */
             to: number;
+            /**
+             * Transform
+             * @description From the node it starts at; of a prior in the map frame; of gravity its roll and pitch alone count.
+             */
+            transform: number[] | null;
             /** Translation M */
             translation_m: number | null;
             /** Type */
@@ -1951,10 +2177,31 @@ export interface components {
          * @description One page of the node table.
          */
         NodePage: {
+            /**
+             * At
+             * @description Row of the node that was to be found among all; None where it is not among them.
+             */
+            at: number | null;
             /** Nodes */
             nodes: components["schemas"]["NodeRow"][];
             /** Total */
             total: number;
+        };
+        /**
+         * NodePair
+         * @description Two nodes beside each other: the second as seen from the first.
+         */
+        NodePair: {
+            /** Apart S */
+            apart_s: number;
+            /** Links */
+            links: components["schemas"]["NodeLink"][];
+            /** @description By the optimised poses. */
+            map: components["schemas"]["PoseDifference"] | null;
+            /** @description None between sessions, which have odometry of their own. */
+            odometry: components["schemas"]["PoseDifference"] | null;
+            truth: components["schemas"]["PoseDifference"] | null;
+            words: components["schemas"]["SharedWords"];
         };
         /**
          * NodeRow
@@ -2089,6 +2336,68 @@ export interface components {
             };
         };
         /**
+         * PixelDepth
+         * @description A pixel of a node's images.
+         */
+        PixelDepth: {
+            /**
+             * Base
+             * @description The point in the base frame, metres.
+             */
+            base: number[] | null;
+            /**
+             * Camera
+             * @description Of several cameras, whose image it is in, from 0.
+             */
+            camera: number;
+            /** Depth Height */
+            depth_height: number;
+            /**
+             * Depth M
+             * @description Along the optical axis; None where no depth was measured.
+             */
+            depth_m: number | null;
+            /**
+             * Depth U
+             * @description Column of the pixel of the depth image.
+             */
+            depth_u: number;
+            /** Depth V */
+            depth_v: number;
+            /** Depth Width */
+            depth_width: number;
+            /**
+             * Map
+             * @description The same in the map frame.
+             */
+            map: number[] | null;
+            /**
+             * Stereo
+             * @description Whether depth is worked out from a stereo pair, and not stored.
+             */
+            stereo: boolean;
+            /**
+             * U
+             * @description Where the centre of the depth pixel is in the colour image, whole numbers at pixel centres; None without a
+             *     calibration that fits.
+             */
+            u: number | null;
+            /** V */
+            v: number | null;
+        };
+        /**
+         * PoseDifference
+         * @description The pose of one node as seen from another.
+         */
+        PoseDifference: {
+            /** Rotation Deg */
+            rotation_deg: number;
+            /** Transform */
+            transform: number[];
+            /** Translation M */
+            translation_m: number;
+        };
+        /**
          * RefineOptions
          * @description Links to register anew, from what they say.
          */
@@ -2163,6 +2472,12 @@ export interface components {
          */
         Scene: {
             /**
+             * Alone
+             * @description Whether the selected node is shown without the map around it.
+             * @default false
+             */
+            alone: boolean;
+            /**
              * At
              * @description The node of the update that is shown; null for the map as it is now.
              */
@@ -2178,6 +2493,11 @@ export interface components {
              */
             dark: boolean;
             layers: components["schemas"]["SceneLayers"];
+            /**
+             * Node Parts
+             * @description What is shown of the selected node close up.
+             */
+            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[];
             /**
              * Overlay
              * @description The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds.
@@ -2203,6 +2523,8 @@ export interface components {
          * @description What to change; what is left out stays, null deselects, and as ``at`` goes back to now.
          */
         SceneChange: {
+            /** Alone */
+            alone?: boolean | null;
             /** At */
             at?: number | null;
             /** Colour */
@@ -2210,6 +2532,8 @@ export interface components {
             /** Dark */
             dark?: boolean | null;
             layers?: components["schemas"]["LayerChange"] | null;
+            /** Node Parts */
+            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[] | null;
             /** Overlay */
             overlay?: ("link" | "poses") | null;
             /** Selected Link */
@@ -2335,6 +2659,38 @@ export interface components {
             nodes: number;
             /** Source */
             source: string;
+        };
+        /**
+         * SharedWords
+         * @description Key points of two nodes that are the same words.
+         */
+        SharedWords: {
+            /** A */
+            a: number[];
+            /** B */
+            b: number[];
+            /**
+             * Of
+             * @description Different words of each.
+             */
+            of: number[];
+            /**
+             * Shared A
+             * @description Key points of the first node whose word the second has too.
+             */
+            shared_a: number[];
+            /** Shared B */
+            shared_b: number[];
+            /**
+             * Word
+             * @description Words that each has once; entry i of the next two lists is that key point.
+             */
+            word: number[];
+            /**
+             * Words
+             * @description Different words that both have.
+             */
+            words: number;
         };
         /**
          * Size
@@ -2697,6 +3053,8 @@ export interface components {
          * @description What a program attached to a node.
          */
         UserData: {
+            /** Bytes */
+            bytes: number;
             /** Columns */
             columns: number;
             /** Rows */
@@ -3966,8 +4324,10 @@ export interface operations {
                 order?: "id" | "-id" | "weight" | "-weight" | "stamp" | "-stamp";
                 /** @description With merged and dropped nodes, which are no part of the map. */
                 dropped?: boolean;
-                /** @description Text in id or label. */
+                /** @description Words in id or label, or id: label: time: near. */
                 q?: string;
+                /** @description Node whose row is told. */
+                find?: number | null;
             };
             header?: never;
             path: {
@@ -4180,6 +4540,9 @@ export interface operations {
             query?: {
                 /** @description Depth of the last colour; 0 fits. */
                 max?: number;
+                /** @description Depth of the first colour. */
+                min?: number;
+                colours?: "turbo" | "viridis" | "jet" | "gray";
             };
             header?: never;
             path: {
@@ -4267,6 +4630,75 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["NodeFeatures"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_grid: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
                 };
             };
             /** @description No token. */
@@ -4459,6 +4891,150 @@ export interface operations {
             };
         };
     };
+    get_node_pair: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                other_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodePair"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_pixel: {
+        parameters: {
+            query: {
+                /** @description Across the whole image, from its left edge. */
+                x: number;
+                /** @description Down, from its top edge. */
+                y: number;
+            };
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PixelDepth"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_node_right: {
         parameters: {
             query?: never;
@@ -4479,6 +5055,75 @@ export interface operations {
                 };
                 content: {
                     "image/jpeg": unknown;
+                    "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_scan: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
                     "image/png": unknown;
                 };
             };
@@ -5591,6 +6236,74 @@ export interface operations {
                 "application/json": components["schemas"]["SceneChange"];
             };
         };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scene"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    look_at_selected: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
         responses: {
             /** @description Successful Response */
             200: {
