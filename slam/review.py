@@ -19,7 +19,7 @@ from slam.graph.optimizer import chi2
 from slam.graph.shift import Shift, Snapshot
 from slam.history import History, Step
 from slam.params import Params
-from slam.types import Candidate, Link
+from slam.types import Candidate, Link, LinkType
 from slam.verdicts import Rows, Verdict, approval, ordered, redoing, rejection, undoing
 
 #: Poses (id -> T_map_base) -> absolute trajectory error in metres, None without ground truth.
@@ -249,8 +249,18 @@ class Review:
         (add, remove), (restore, drop) = _links(entries), _nodes(entries)
         if not (add or remove or restore or drop):
             return nullcontext(0)
-        pairs = [link.pair for link in remove]
-        return exchanged(self.graph, pairs, add, self.params, there, keep=keep, drop=drop, restore=restore)
+        return exchanged(
+            self.graph,
+            [link.pair for link in remove if _joins(link)],
+            [link for link in add if _joins(link)],
+            self.params,
+            there,
+            keep=keep,
+            drop=drop,
+            restore=restore,
+            release=[link for link in remove if not _joins(link)],
+            hold=[link for link in add if not _joins(link)],
+        )
 
     def _write(self, entries: Sequence[JournalEntry], candidates: Sequence[Candidate]) -> list[JournalEntry]:
         (add, remove), (restore, drop) = _links(entries), _nodes(entries)
@@ -283,8 +293,18 @@ def _nothing(action: Verdict, refused: Sequence[Unsaid]) -> str:
 
 def _links(entries: Sequence[JournalEntry]) -> tuple[list[Link], list[Link]]:
     """Links that these entries put into the graph, and those that they take out."""
-    changes = [(e.link_before, e.link_after) for e in entries if not _same(e.link_before, e.link_after)]
-    return [after for _, after in changes if after], [before for before, _ in changes if before]
+    changes = [e for e in entries if _is_prior(e) or not _same(e.link_before, e.link_after)]
+    return [e.link_after for e in changes if e.link_after], [e.link_before for e in changes if e.link_before]
+
+
+def _is_prior(entry: JournalEntry) -> bool:
+    """A prior that is given again as it was is one that parameters have let in: the poses must follow."""
+    return any(k is not None and k.type is LinkType.POSE_PRIOR for k in (entry.link_before, entry.link_after))
+
+
+def _joins(link: Link) -> bool:
+    """Whether a link is one of two nodes, and no prior or sighting of a landmark."""
+    return link.to_id > 0 and link.from_id != link.to_id
 
 
 def _same(a: Link | None, b: Link | None) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, delete, select, text
+from sqlalchemy import Connection, delete, select, text, true
 
 from slam.database.blobs import (
     INFORMATION_BYTES,
@@ -52,10 +52,13 @@ def insert_link(connection: Connection, item: Link) -> None:
 
 
 def remove_link(connection: Connection, from_id: int, to_id: int) -> None:
-    """Remove the link between two nodes, in both directions; DatabaseError when there is none."""
+    """Remove the link between two nodes, in both directions, or the prior of one; DatabaseError when there is none."""
     pairs = [(from_id, to_id), (to_id, from_id)]
+    # Gravity is a link of a node to itself as well: it was measured, and nobody takes it away.
+    meant = (link.c.type == int(LinkType.POSE_PRIOR)) if from_id == to_id else true()
     removed = sum(
-        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b))).rowcount for a, b in pairs
+        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b) & meant)).rowcount
+        for a, b in pairs
     )
     if not removed:
         raise DatabaseError(f"link {from_id}-{to_id} can't be removed: the map has none between these nodes")

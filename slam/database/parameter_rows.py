@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import Any
 
-from sqlalchemy import Connection, insert, select
+from sqlalchemy import Connection, insert, select, text, update
 
 from slam.database.deck_tables import parameter_change
 from slam.database.deck_values import ParameterChange
 from slam.database.faults import Faults, each_sound, number_of, text_of, whole_of
-from slam.database.parameter_text import parse_parameters
+from slam.database.parameter_text import format_parameters, parse_parameters
 from slam.database.tables import info
+from slam.errors import DatabaseError
 from slam.params.old_names import todays
 
 
@@ -19,6 +21,23 @@ def read_parameters(connection: Connection) -> dict[str, str]:
     """Text by today's name of the newest session's parameters; empty when no session was saved."""
     newest = select(info.c.parameters).order_by(info.c.time_enter.desc(), info.c.STM_size.desc()).limit(1)
     return todays(parse_parameters(text_of(connection.scalar(newest), "parameters")))
+
+
+def update_parameters(connection: Connection, changes: Mapping[str, str]) -> None:
+    """Give the newest session other values, under today's names, where whoever opens the map next reads them.
+
+    Raises:
+        DatabaseError: no session was saved, or the text can't carry a value.
+    """
+    order = (info.c.time_enter.desc(), info.c.STM_size.desc())
+    row = connection.execute(
+        select(text("rowid"), info.c.parameters).select_from(info).order_by(*order).limit(1)
+    ).first()
+    if row is None:
+        raise DatabaseError(f"{', '.join(changes)} can't be stored: the map has no session that was saved")
+    known = todays(parse_parameters(text_of(row.parameters, "parameters")))
+    new = format_parameters({**known, **changes})
+    connection.execute(update(info).where(text("rowid = :row")).values(parameters=new), {"row": row.rowid})
 
 
 def insert_parameter_change(connection: Connection, node_id: int, name: str, value: str) -> None:

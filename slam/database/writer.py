@@ -24,7 +24,7 @@ from slam.database.lock import MapLock, locked
 from slam.database.new_file import create_file
 from slam.database.node_record import KnownIds
 from slam.database.node_rows import update_labels, update_weights
-from slam.database.parameter_rows import insert_parameter_change
+from slam.database.parameter_rows import insert_parameter_change, update_parameters
 from slam.database.parameter_text import params_text
 from slam.database.records import JournalEntry, NodeRecord
 from slam.database.refusal import refusing
@@ -209,6 +209,14 @@ class MapWriter:
         with self._transaction(f"logging {name}") as connection:
             insert_parameter_change(connection, node_id, name, format_value(params.get(name)))
         self._params = params
+
+    def set_parameters(self, node_id: int, params: Params, names: Iterable[str]) -> None:
+        """Give the map other values of some parameters while no session runs; logged like those of a run."""
+        values = {name: format_value(params.get(name)) for name in names}
+        with self._transaction(f"changing {', '.join(values)}") as connection:
+            update_parameters(connection, values)
+            for name, value in values.items():
+                insert_parameter_change(connection, node_id, name, value)
 
     def close_session(
         self, *, ram_ids: Iterable[int], ram_word_ids: Iterable[int], params: Params, clean: bool = True
