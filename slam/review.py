@@ -118,13 +118,22 @@ class Review:
     """
 
     def __init__(
-        self, graph: PoseGraph, writer: DecisionWriter, reader: DecisionReader, params: Params, ate: Ate | None = None
+        self,
+        graph: PoseGraph,
+        writer: DecisionWriter,
+        reader: DecisionReader,
+        params: Params,
+        ate: Ate | None = None,
+        *,
+        nodes_stay: bool = False,
     ) -> None:
         self.graph = graph
         self.params = params
         self._writer = writer
         self._reader = reader
         self._ate = ate
+        # While a map is made its engine's memory holds the nodes: none comes or goes, by undo or redo neither.
+        self._nodes_stay = nodes_stay
         self._history = History(reader.journal())
 
     def approve(self, from_id: int, to_id: int, author: str = "") -> Effect:
@@ -144,7 +153,13 @@ class Review:
         return self.decide("reject", [(from_id, to_id)], author)
 
     def decide(
-        self, action: Verdict, loops: Sequence[tuple[int, int]], author: str = "", *, preview: bool = False
+        self,
+        action: Verdict,
+        loops: Sequence[tuple[int, int]],
+        author: str = "",
+        *,
+        preview: bool = False,
+        tried: Sequence[Candidate] = (),
     ) -> Effect:
         """Approve or reject several loops together: one optimisation, one transaction, and one undo takes all back.
 
@@ -153,11 +168,14 @@ class Review:
             loops: both ids of each, in any order; those that it can't be said of are left out, and named in the effect.
             author: who decides.
             preview: only work out what it would do; nothing is changed or written.
+            tried: loops that were looked at elsewhere: where the map knows nothing of theirs they are kept with it.
 
         Raises:
             DecisionError: it can't be said of any of them, or there is no solution.
         """
-        entries, refused, rows = [], [], self._looked_at()
+        entries, refused, rows = [], [], dict(self._looked_at())
+        new = [one for one in tried if ordered(one.from_id, one.to_id) not in rows]
+        rows |= {ordered(one.from_id, one.to_id): [one] for one in new}
         verdict = {"approve": approval, "reject": rejection}[action]
         for ids in {ordered(*ids): ids for ids in loops}.values():
             try:
@@ -166,7 +184,9 @@ class Review:
                 refused.append(Unsaid(*ids, str(error)))
         if not entries:
             raise DecisionError(_nothing(action, refused))
-        return self._carry_out(entries, refused=tuple(refused), preview=preview)
+        said = {entry.pair for entry in entries}
+        kept = [one for one in new if ordered(one.from_id, one.to_id) in said]
+        return self._carry_out(entries, refused=tuple(refused), preview=preview, candidates=kept)
 
     def change(
         self, entries: Sequence[JournalEntry], *, candidates: Sequence[Candidate] = (), preview: bool = False
@@ -224,6 +244,11 @@ class Review:
         candidates: Sequence[Candidate] = (),
     ) -> Effect:
         """Change graph, file and history, all or none; a preview changes none of them."""
+        if self._nodes_stay and any(_nodes(entries)):
+            raise DecisionError(
+                f"{entries[0].action} {_named(entries)} would move nodes in or out of the map, which the engine that"
+                " makes it holds in its memory: stop the run first"
+            )
         poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
         known = step.there if step is not None and step.here is not None and step.here.same(poses) else None
         was = self._chi2(), self._ate_at(poses)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from server.engine.channel import Channel
-from server.engine.commands import CancelJob, Decide, DropNodes, EditJob, EditLink, LabelNode, Request, StartJob, Stop
+from server.engine.commands import CancelJob, Decide, Edit, EditJob, Request, SetParams, StartJob, Stop
 from server.engine.decision import carry_out
 from server.engine.edits import Edits
 from server.engine.events import Ended, GraphChanged, Started
@@ -13,7 +13,8 @@ from server.engine.opened import Opened, opened
 from server.engine.running_job import RunningJob
 from server.errors import EngineError
 from slam.edit.wishes import Outcome
-from slam.errors import SlamError
+from slam.errors import ParameterError, SlamError
+from slam.params import require_live
 from slam.review import Effect
 
 #: Without a decision for this long the map is closed, and free for other writers.
@@ -69,6 +70,8 @@ class Editor:
             if isinstance(request.command, StartJob | CancelJob):
                 self._steer(request.command)
                 self._channel.answer(request)
+            elif isinstance(request.command, SetParams):
+                self._set_params(map_file, request, request.command)
             else:
                 self._decide(map_file, request)
         except SlamError as error:
@@ -91,14 +94,27 @@ class Editor:
         if isinstance(command, Decide):
             answer = carry_out(map_file.review, command)
             changed = not command.preview
-        elif isinstance(command, EditLink | DropNodes | LabelNode):
+        elif isinstance(command, Edit):
             answer = self._edits.carry_out(command)
-            changed = not getattr(command, "preview", False)
+            changed = not command.preview
         else:
             raise EngineError(f"no engine is mapping {self._path.name}: start a run first")
         self._channel.answer(request, answer)
         if changed:
             self._changed(map_file)
+
+    def _set_params(self, map_file: Opened, request: Request, command: SetParams) -> None:
+        """What the next decision, and whoever opens the map next, goes by; poses stay until then."""
+        self._require_rest()
+        if not command.changes:
+            raise ParameterError("no parameter is named: give at least one name with its new value")
+        review = map_file.review
+        params = review.params.changed(command.changes)
+        require_live(command.changes, "in a map that is there already")
+        map_file.writer.set_parameters(max(review.graph.poses, default=0), params, command.changes)
+        review.params = params
+        self._channel.answer(request, dict(params.items()))
+        self._channel.send(GraphChanged())
 
     def _changed(self, map_file: Opened) -> None:
         map_file.grid.is_due = True

@@ -22,6 +22,10 @@ def get_parameters(services: ServicesDep, view: ViewDep) -> ParameterSet:
 
 @router.patch("")
 async def change_parameters(services: ServicesDep, view: ViewDep, changes: ParameterChanges) -> ParameterSet:
-    """Change parameters of the engine that runs; answers with the values that it has in force then."""
-    in_force = await services.session.set_parameters(view.file.id, changes.changes)
-    return parameter_set(in_force, view.snapshot().parameter_texts, live=True)
+    """Change parameters of the engine that runs, or of a map that no engine makes; answers with all values then.
+
+    A map's own parameters are what its next decision is optimised with, and what programs that open it begin with.
+    """
+    values = await services.set_parameters(view, changes.changes)
+    live = services.session.parameters_of(view.file.id) is not None
+    return parameter_set(values, view.snapshot().parameter_texts, live=live)

@@ -8,7 +8,7 @@ from typing import Any
 
 from sqlalchemy import Connection, insert, select, text, update
 
-from slam.database.deck_tables import parameter_change
+from slam.database.deck_tables import parameter_change, session
 from slam.database.deck_values import ParameterChange
 from slam.database.faults import Faults, each_sound, number_of, text_of, whole_of
 from slam.database.parameter_text import format_parameters, parse_parameters
@@ -23,8 +23,11 @@ def read_parameters(connection: Connection) -> dict[str, str]:
     return todays(parse_parameters(text_of(connection.scalar(newest), "parameters")))
 
 
-def update_parameters(connection: Connection, changes: Mapping[str, str]) -> None:
+def update_parameters(connection: Connection, changes: Mapping[str, str]) -> dict[str, str]:
     """Give the newest session other values, under today's names, where whoever opens the map next reads them.
+
+    Returns:
+        The values as they were, of those that are in no log yet and are kept with no session.
 
     Raises:
         DatabaseError: no session was saved, or the text can't carry a value.
@@ -38,6 +41,10 @@ def update_parameters(connection: Connection, changes: Mapping[str, str]) -> Non
     known = todays(parse_parameters(text_of(row.parameters, "parameters")))
     new = format_parameters({**known, **changes})
     connection.execute(update(info).where(text("rowid = :row")).values(parameters=new), {"row": row.rowid})
+    if connection.scalar(select(session.c.map_id).limit(1)) is not None:
+        return {}
+    logged = set(connection.scalars(select(parameter_change.c.name)))
+    return {name: known[name] for name in changes if name in known and name not in logged}
 
 
 def insert_parameter_change(connection: Connection, node_id: int, name: str, value: str) -> None:

@@ -214,7 +214,9 @@ class MapWriter:
         """Give the map other values of some parameters while no session runs; logged like those of a run."""
         values = {name: format_value(params.get(name)) for name in names}
         with self._transaction(f"changing {', '.join(values)}") as connection:
-            update_parameters(connection, values)
+            for name, value in update_parameters(connection, values).items():
+                # Other programs keep the values of a session nowhere else.
+                insert_parameter_change(connection, 0, name, value)
             for name, value in values.items():
                 insert_parameter_change(connection, node_id, name, value)
 

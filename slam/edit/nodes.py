@@ -99,13 +99,12 @@ def labelling_many(
 
 
 def _nothing_to_label(ids: Sequence[int], text: str) -> str:
-    if len(ids) == 1:
-        return f"node {ids[0]} has the label {text!r} already" if text else f"node {ids[0]} has no label"
     if not ids:
         return "nothing to label: no node is named"
-    return (
-        f"these {len(ids)} nodes have these labels already" if text else f"none of these {len(ids)} nodes has a label"
-    )
+    if len(ids) == 1:
+        return f"node {ids[0]} has the label {text!r} already" if text else f"node {ids[0]} has no label"
+    have = "nodes have these labels already" if text else "nodes have no label"
+    return f"these {len(ids)} {have}"
 
 
 def _check_label(node_id: int, text: str, holders: Mapping[str, int]) -> None:

@@ -61,7 +61,8 @@ export function EffectLine() {
   const { entry, effect, count } = last;
   const one = entry.from_id === entry.to_id ? ` node ${entry.from_id}` : ` ${entry.from_id} → ${entry.to_id}`;
   const name = count > 1 ? ` ${text.whole(count)} entries` : one;
-  return html`<p class="effect" role="status" id="effect"><span class="quiet">${PAST[entry.action] ?? entry.action}${name}</span> ${effectParts(effect)}</p>`;
+  const note = last.note && html`<span class="ink-warn">${last.note}</span>`;
+  return html`<p class="effect" role="status" id="effect"><span class="quiet">${PAST[entry.action] ?? entry.action}${name}</span> ${effectParts(effect)} ${note}</p>`;
 }
 
 /** @type {Record<string, string>} */
@@ -77,12 +78,31 @@ export const PAST = {
   cut: "Cut",
   bridge: "Bridged",
   drop: "Removed",
+  prior: "Prior of",
+  covariance: "Covariance of",
   label: "Labelled",
 };
 
 /** @param {number | null} chi2 */
 export function chi2Text(chi2) {
   return chi2 !== null && chi2 >= 1000 ? text.whole(chi2) : text.fixed(chi2, 1);
+}
+
+/** What comes, goes and changes; nothing where that is said by the effect alone. @param {import("../store.js").Schemas["Changes"]} changes */
+export function changeParts(changes) {
+  /** @type {[number, string, string][]} */
+  const all = [
+    [changes.nodes_gone, "node", "leaving"],
+    [changes.nodes_back, "node", "coming back"],
+    [changes.loops_gone, "loop", "lost"],
+    [changes.loops_new, "loop", "added"],
+    [changes.links_gone, "other link", "cut"],
+    [changes.links_new, "bridge", "over the gap"],
+    [changes.changed, "link", "changed"],
+  ];
+  const parts = all.filter(([count]) => count);
+  if (!parts.length) return null;
+  return html`<p class="bulk-effect" id="bulk-changes">${parts.map(([count, thing, what]) => html`<span key=${thing + what}><b>${text.plural(count, thing)}</b> ${what}</span>`)}</p>`;
 }
 
 /** @param {Effect} effect */

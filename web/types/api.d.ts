@@ -212,6 +212,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/links/covariances": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Edit Covariances
+         * @description Give many links other covariances; their transforms stay.
+         */
+        post: operations["edit_covariances"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/links/{from_id}/{to_id}": {
         parameters: {
             query?: never;
@@ -336,6 +356,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/label": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Label Nodes
+         * @description Give several nodes a numbered label, or take theirs away.
+         */
+        post: operations["label_nodes"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}": {
         parameters: {
             query?: never;
@@ -436,6 +476,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/prior": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Prior
+         * @description The prior of a node, and whether priors count.
+         */
+        get: operations["get_prior"];
+        put?: never;
+        /**
+         * Edit Prior
+         * @description Give a node a prior, change it, or take it away.
+         */
+        post: operations["edit_prior"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/right": {
         parameters: {
             query?: never;
@@ -475,7 +539,9 @@ export interface paths {
         head?: never;
         /**
          * Change Parameters
-         * @description Change parameters of the engine that runs; answers with the values that it has in force then.
+         * @description Change parameters of the engine that runs, or of a map that no engine makes; answers with all values then.
+         *
+         *     A map's own parameters are what its next decision is optimised with, and what programs that open it begin with.
          */
         patch: operations["change_parameters"];
         trace?: never;
@@ -676,6 +742,32 @@ export interface components {
             width: number;
         };
         /**
+         * Changes
+         * @description What comes, goes and changes by decisions made together.
+         */
+        Changes: {
+            /**
+             * Changed
+             * @description Links whose numbers change.
+             */
+            changed: number;
+            /**
+             * Links Gone
+             * @description Between two nodes; loops are counted on their own.
+             */
+            links_gone: number;
+            /** Links New */
+            links_new: number;
+            /** Loops Gone */
+            loops_gone: number;
+            /** Loops New */
+            loops_new: number;
+            /** Nodes Back */
+            nodes_back: number;
+            /** Nodes Gone */
+            nodes_gone: number;
+        };
+        /**
          * CloudFacts
          * @description The stored scan of a node.
          */
@@ -689,6 +781,59 @@ export interface components {
              * @description Distance of the farthest point from the base.
              */
             range_m: number;
+        };
+        /**
+         * Covariances
+         * @description Covariances for many links.
+         */
+        Covariances: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * First
+             * @default 0
+             */
+            first: number;
+            /**
+             * Inter
+             * @default true
+             */
+            inter: boolean;
+            /**
+             * Intra
+             * @default true
+             */
+            intra: boolean;
+            /**
+             * Last
+             * @description Ids of nodes; 0 for no limit.
+             * @default 0
+             */
+            last: number;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Session
+             * @description Only links of a node of this session; -1 for all.
+             * @default -1
+             */
+            session: number;
+            /**
+             * Sigmas
+             * @description x y z in metres, roll pitch yaw in degrees; 0 where nothing is known.
+             */
+            sigmas: number[];
+            /**
+             * Types
+             * @description None for all links between two nodes; landmarks only where they are named.
+             */
+            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged" | "Landmark")[];
         };
         /**
          * Decision
@@ -753,6 +898,7 @@ export interface components {
          * @description The decisions as they were journalled, and the graph's new revision.
          */
         DecisionResult: {
+            changes: components["schemas"]["Changes"];
             /**
              * Count
              * @description Loops that it was about.
@@ -761,6 +907,12 @@ export interface components {
             effect: components["schemas"]["DecisionEffect"];
             /** @description The first of them; of a preview what would be written. */
             entry: components["schemas"]["JournalEntry"];
+            /**
+             * Note
+             * @description What else must be known of it, such as a parameter that keeps it from having an effect.
+             * @default
+             */
+            note: string;
             /** Preview */
             preview: boolean;
             /** Refused */
@@ -824,6 +976,12 @@ export interface components {
              * @default 1
              */
             radius_m: number;
+            /**
+             * Session
+             * @description Only pairs with a node of this session; -1 for all.
+             * @default -1
+             */
+            session: number;
         };
         /**
          * EditedLink
@@ -1450,7 +1608,7 @@ export interface components {
         LoopWhatIf: {
             /**
              * Ate Now M
-             * @description Trajectory error of the map as it is.
+             * @description Trajectory error of the map as it is: at its optimum where ``graph`` is asked for, else at the stored poses.
              */
             ate_now_m: number | null;
             /**
@@ -1793,6 +1951,26 @@ export interface components {
             label: string;
         };
         /**
+         * NodeLabels
+         * @description A label for several nodes, numbered in the order of their ids; empty takes theirs away.
+         */
+        NodeLabels: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Label */
+            label: string;
+            /** Nodes */
+            nodes: number[];
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+        };
+        /**
          * NodeLink
          * @description A link as seen from one of its nodes.
          */
@@ -1815,6 +1993,55 @@ export interface components {
             nodes: components["schemas"]["NodeRow"][];
             /** Total */
             total: number;
+        };
+        /**
+         * NodePrior
+         * @description What a node's prior is to be.
+         */
+        NodePrior: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Sigmas
+             * @description Of the same axes, in the frame of the node; three zeros for the angles: only the position is known.
+             */
+            sigmas?: number[] | null;
+            /**
+             * Transform
+             * @description x y z in metres, roll pitch yaw in degrees, map frame; null takes the prior away.
+             */
+            transform?: number[] | null;
+        };
+        /**
+         * NodePriorState
+         * @description The prior of a node as it is.
+         */
+        NodePriorState: {
+            /**
+             * Ignored
+             * @description Whether ``Optimizer/PriorsIgnored`` is on, so that no prior moves anything.
+             */
+            ignored: boolean;
+            /** Sigmas */
+            sigmas: number[] | null;
+            /**
+             * Suggested
+             * @description Where the node is now.
+             */
+            suggested: number[];
+            /**
+             * Transform
+             * @description As in NodePrior; null where the node has none.
+             */
+            transform: number[] | null;
         };
         /**
          * NodeRow
@@ -1975,6 +2202,7 @@ export interface components {
             intra: boolean;
             /**
              * Last
+             * @description Ids of nodes; 0 for no limit.
              * @default 0
              */
             last: number;
@@ -1985,10 +2213,16 @@ export interface components {
              */
             method: "visual" | "icp" | "both";
             /**
-             * Types
-             * @description None for all.
+             * Session
+             * @description Only links of a node of this session; -1 for all.
+             * @default -1
              */
-            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged")[];
+            session: number;
+            /**
+             * Types
+             * @description None for all links between two nodes; landmarks only where they are named.
+             */
+            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged" | "Landmark")[];
         };
         /**
          * RefusedDecision
@@ -2367,6 +2601,11 @@ export interface components {
             moved: number;
             /** Poses */
             poses: number[][];
+            /**
+             * Stored Off M
+             * @description How far the stored poses are from the optimum of the graph as it is, with which all this is compared.
+             */
+            stored_off_m: number;
         };
         /**
          * WhatIfLoop
@@ -3241,6 +3480,78 @@ export interface operations {
             };
         };
     };
+    edit_covariances: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Covariances"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_link: {
         parameters: {
             query?: never;
@@ -3736,6 +4047,78 @@ export interface operations {
             };
         };
     };
+    label_nodes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodeLabels"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_node: {
         parameters: {
             query?: never;
@@ -4030,6 +4413,148 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["NodeLabel"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_prior: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodePriorState"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    edit_prior: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodePrior"];
             };
         };
         responses: {

@@ -7,6 +7,7 @@ import { go, openMapId, route } from "../router.js";
 import { columns, graphRevision, info } from "../store.js";
 import { Chip } from "../parts/button.js";
 import { Badge } from "../parts/facts.js";
+import { ChoiceBar, useChoice } from "../parts/node_choice.js";
 import { NodeInspector } from "../parts/node.js";
 import { Empty, Failed } from "../parts/state.js";
 import { Table } from "../parts/table.js";
@@ -57,7 +58,9 @@ export function Nodes() {
   useChanged(/** @type {import("../columns.js").Columns} */ (columns.value).revision, () => rows.refresh());
 
   void rows.revision.value;
-  const select = (/** @type {number} */ row) => {
+  const choice = useChoice(rows);
+  const select = (/** @type {number} */ row, /** @type {MouseEvent | undefined} */ event = undefined) => {
+    if (choice.click(row, event, at)) return;
     const found = rows.at(row);
     if (found) go({ view: "nodes", key: found.id, query: Object.fromEntries(asked) });
     setWanted(found ? -1 : row);
@@ -88,6 +91,7 @@ export function Nodes() {
       />
     </div>
     <div class="view-table">${nodeTable()}</div>
+    ${rows.total > 0 && h(ChoiceBar, { choice, rows, onDone: () => rows.refresh() })}
     ${selected > 0 && h(NodeInspector, { key: selected, map, id: selected })}
   </div>`;
 
@@ -106,6 +110,7 @@ export function Nodes() {
       onRange: (first, last) => rows.show(first, last),
       selected: at,
       onSelect: select,
+      chosen: (row) => choice.ids.has(rows.at(row)?.id ?? 0),
       order,
       onOrder: (next) => look({ order: next }),
     });

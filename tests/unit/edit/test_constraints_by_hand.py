@@ -79,11 +79,11 @@ def weights(review: Review, **chosen: object) -> list[JournalEntry]:
 
 
 EDITS = {
-    "prior": lambda review, reader: [prior(25, review)],
-    "position": lambda review, reader: [prior(25, review, sigmas=np.array([0.1, 0.1, 0.2, 0, 0, 0]))],
-    "neighbours": lambda review, reader: weights(review, types=(LinkType.NEIGHBOR,)),
-    "loops": lambda review, reader: weights(review, types=(LinkType.GLOBAL_CLOSURE,), first=2),
-    "landmarks": lambda review, reader: weights(review, types=(LinkType.LANDMARK,)),
+    "prior": lambda review, _: [prior(25, review)],
+    "position": lambda review, _: [prior(25, review, sigmas=np.array([0.1, 0.1, 0.2, 0, 0, 0]))],
+    "neighbours": lambda review, _: weights(review, types=(LinkType.NEIGHBOR,)),
+    "loops": lambda review, _: weights(review, types=(LinkType.GLOBAL_CLOSURE,), first=2),
+    "landmarks": lambda review, _: weights(review, types=(LinkType.LANDMARK,)),
     "labels": lambda review, reader: labelling_many(review.graph, reader, [7, 3, 9], "door", "ann"),
 }
 
@@ -192,5 +192,5 @@ def test_labels_of_many_are_numbered_taken_away_and_never_given_twice(opened: Op
         labelling_many(review.graph, reader, [4, 5], "door", "")
     review.change(labelling_many(review.graph, reader, [1, 3, 7], "", ""))
     assert [label for label in reader.nodes().labels if label] == ["door 3"]
-    with pytest.raises(DecisionError, match="none of these 2 nodes"):
+    with pytest.raises(DecisionError, match="these 2 nodes have no label"):
         labelling_many(review.graph, reader, [1, 2], " ", "")
