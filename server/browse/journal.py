@@ -8,6 +8,7 @@ from server.browse.columns import number
 from server.schemas import Changes, DecisionEffect, DecisionResult, JournalEntry, RefusedDecision
 from slam.database import JournalEntry as StoredEntry
 from slam.review import Effect
+from slam.types import LinkType
 
 
 def decision_result(effect: Effect, revision: int | None, note: str = "") -> DecisionResult:
@@ -31,13 +32,16 @@ def _changes(entries: Sequence[StoredEntry]) -> Changes:
     gone = [before for before, after in pairs if before is not None and after is None]
     nodes = [entry.node for entry in entries if entry.node is not None]
     loops_new, loops_gone = (sum(link.type.is_loop for link in links) for links in (new, gone))
+    priors_new, priors_gone = (sum(link.type is LinkType.POSE_PRIOR for link in links) for links in (new, gone))
     return Changes(
         nodes_gone=sum(node.drops for node in nodes),
         nodes_back=sum(node.restores for node in nodes),
-        links_gone=len(gone) - loops_gone,
-        links_new=len(new) - loops_new,
+        links_gone=len(gone) - loops_gone - priors_gone,
+        links_new=len(new) - loops_new - priors_new,
         loops_gone=loops_gone,
         loops_new=loops_new,
+        priors_gone=priors_gone,
+        priors_new=priors_new,
         changed=sum(before is not None and after is not None and before is not after for before, after in pairs),
     )
 

@@ -87,8 +87,10 @@ class Changes(Schema):
     links_new: int
     loops_gone: int
     loops_new: int
+    priors_gone: int
+    priors_new: int
     changed: int
-    """Links whose numbers change."""
+    """Links, priors and sightings whose numbers change."""
 
 
 class RefusedDecision(Schema):

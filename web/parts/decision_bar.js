@@ -3,7 +3,8 @@ import { h, html } from "../html.js";
 import { decide, deciding, lastDecision } from "../actions.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
-import { info } from "../store.js";
+import { openMapId } from "../router.js";
+import { info, session } from "../store.js";
 import { Button } from "./button.js";
 
 /** @typedef {import("../store.js").Schemas["DecisionEffect"]} Effect */
@@ -27,10 +28,10 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
     if (locked) return;
     if (await decide(action === "undo" ? { action } : { action, from, to })) onDecided();
   };
-  // One without a state was only tried to see what another threshold would mean.
-  const isLoop = state !== null && type !== null && /Closure$/.test(type);
+  const isLoop = type !== null && /Closure$/.test(type);
   const canApprove = isLoop && measured && state !== "approved" && state !== "added";
-  const canReject = isLoop && state !== "rejected" && state !== "refused";
+  // One without a state was only tried to see what another threshold would mean: it can come, there is nothing to go.
+  const canReject = isLoop && state !== null && state !== "rejected" && state !== "refused";
   useKeys({
     a: () => void (canApprove && run("approve")),
     r: () => void (canReject && run("reject")),
@@ -38,7 +39,7 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
   return html`<footer class="decisions">
     ${h(EffectLine, {})}
     <div class="decision-buttons">
-      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? (state === null ? "Only tried for the what-if: a lower LoopThr would let it in" : measured ? "This loop is right" : "Verification found no transform that could be approved"), disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
+      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? (measured ? (state === null ? "Only tried for the what-if so far; put it into the map" : "This loop is right") : "Verification found no transform that could be approved"), disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
       ${h(Button, { id: "reject", label: "Reject", keys: "R", kind: "bad", hint: locked ?? "Take this loop out of the graph", disabled: busy || !canReject || !!locked, onClick: () => void run("reject") })}
       ${h(Button, { id: "undo", label: "Undo", keys: "U", hint: locked ?? "Take the last decision back; Shift U makes it again", disabled: busy || !!locked, onClick: () => void run("undo") })}
       ${h(Button, { id: "previous", label: "Prev", keys: "K", onClick: () => onStep(-1) })}
@@ -51,6 +52,17 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
 export function lockReason() {
   const locked = info.value !== null && !info.value.writable;
   return locked ? "Another program holds this map for writing, or the file is read-only" : null;
+}
+
+/** Whether an engine makes the open map now. */
+export function isMade() {
+  const run = session.value;
+  return run?.map != null && run.map === openMapId.value && ["starting", "running", "paused"].includes(run.state);
+}
+
+/** Why no node can leave the map and no job can work on it now; null where they can. */
+export function stopReason() {
+  return lockReason() ?? (isMade() ? "The engine that makes this map holds its nodes in memory: stop the run first; pausing it is not enough" : null);
 }
 
 /** What the last decision made here did. */
@@ -98,6 +110,8 @@ export function changeParts(changes) {
     [changes.loops_new, "loop", "added"],
     [changes.links_gone, "other link", "cut"],
     [changes.links_new, "bridge", "over the gap"],
+    [changes.priors_gone, "prior", "removed"],
+    [changes.priors_new, "prior", "added"],
     [changes.changed, "link", "changed"],
   ];
   const parts = all.filter(([count]) => count);

@@ -8,7 +8,7 @@ import * as text from "../format.js";
 import { Author } from "./author.js";
 import { Button, Chip } from "./button.js";
 import { Covariances } from "./covariances.js";
-import { effectParts, lockReason } from "./decision_bar.js";
+import { effectParts, isMade, stopReason } from "./decision_bar.js";
 import { CheckField, GUESSES, METHODS, NumberField, numbers, SelectField, Sessions } from "./inputs.js";
 import { useFetched } from "./use.js";
 
@@ -29,7 +29,7 @@ export function Jobs({ map }) {
   const [detect, setDetect] = useState(DETECT);
   const [refine, setRefine] = useState(REFINE);
   const job = heard ?? data.value?.job ?? null;
-  const locked = lockReason();
+  const locked = stopReason();
   const running = job?.state === "running";
   const start = async () => {
     const { type, ...rest } = refine;
@@ -46,6 +46,7 @@ export function Jobs({ map }) {
       ${h(Chip, { label: "Type covariances", on: kind === "covariances", onChange: () => setKind("covariances") })}
     </div>
     ${kind === "covariances" ? h(Covariances, {}) : kind === "detect" ? h(DetectForm, { wanted: detect, onChange: setDetect }) : h(RefineForm, { wanted: refine, onChange: setRefine })}
+    ${kind !== "covariances" && isMade() && html`<p class="note" id="jobs-held">${locked}.</p>`}
     ${kind !== "covariances" &&
     html`<div class="form-row">
       ${h(Author, {})}<span class="grow"></span>

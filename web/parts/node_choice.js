@@ -4,7 +4,7 @@ import { h, html } from "../html.js";
 import { deciding, dropAsk, labelAsk, say } from "../actions.js";
 import * as text from "../format.js";
 import { Button } from "./button.js";
-import { lockReason } from "./decision_bar.js";
+import { lockReason, stopReason } from "./decision_bar.js";
 import { EditDialog } from "./edit_dialog.js";
 import { NumberField } from "./inputs.js";
 
@@ -61,13 +61,13 @@ export function ChoiceBar({ choice, rows, onDone }) {
   const [label, setLabel] = useState("");
   const [asked, setAsked] = useState(/** @type {{wanted: Wanted, ids: number[]} | null} */ (null));
   const ids = [...choice.ids].sort((a, b) => a - b);
-  const locked = lockReason();
+  const [locked, held] = [lockReason(), stopReason()];
   const off = !ids.length || locked !== null || deciding.value;
   const stretch = async () => choice.choose(await rows.stretch(Number(first), Number(last)));
   const ask = (/** @type {Wanted} */ wanted) => setAsked({ wanted, ids });
   return html`<div class="view-tools bulk choice" id="choice">
     <div class="form-row">
-      <span class="small ${ids.length ? "" : "quiet"} grow" role="status">${ids.length ? html`<b>${text.plural(ids.length, "node")}</b> chosen` : "Choose several with Shift or Ctrl"}</span>
+      <span class="small ${ids.length ? "" : "quiet"} grow clip" role="status" title="Shift click chooses all rows as far as there, Ctrl click one more">${ids.length ? html`<b>${text.plural(ids.length, "node")}</b> chosen` : "Several: Shift, Ctrl"}</span>
       ${h(NumberField, { label: "Stretch", value: first, step: "1", hint: "First node of a stretch", onChange: setFirst })}
       ${h(NumberField, { label: "to", value: last, step: "1", hint: "Last node of a stretch", onChange: setLast })}
       ${h(Button, { id: "choose-stretch", label: "Choose", hint: "All nodes from the one to the other", disabled: !(Number(first) > 0 && Number(last) >= Number(first)), onClick: () => void stretch() })}
@@ -79,7 +79,7 @@ export function ChoiceBar({ choice, rows, onDone }) {
     html`<div class="form-row">
       <input class="field grow" type="text" maxlength="180" placeholder=${ids.length > 1 ? "Label: numbered 1, 2, 3…" : "Label"} aria-label="Label of the chosen nodes" value=${label} onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ event) => setLabel(event.currentTarget.value)} />
       ${h(Button, { id: "label-chosen", label: label.trim() ? "Label…" : "Unlabel…", hint: locked ?? "Label them, numbered by their ids; empty takes their labels away", disabled: off, onClick: () => ask({ label: label.trim() }) })}
-      ${h(Button, { id: "drop-chosen", label: "Remove…", kind: "bad", hint: locked ?? "Take them out of the map; odometry is bridged over every gap, and one undo brings all back", disabled: off, onClick: () => ask("drop") })}
+      ${h(Button, { id: "drop-chosen", label: "Remove…", kind: "bad", hint: held ?? "Take them out of the map; odometry is bridged over every gap, and one undo brings all back", disabled: off || held !== null, onClick: () => ask("drop") })}
     </div>`}
     ${asked && h(EditDialog, { ...dialog(asked), onDecided: () => (asked.wanted === "drop" && choice.choose([]), onDone()), onClose: () => setAsked(null) })}
   </div>`;

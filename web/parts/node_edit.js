@@ -4,7 +4,7 @@ import { h, html } from "../html.js";
 import { deciding, dropAsk, labelNode } from "../actions.js";
 import { link } from "../router.js";
 import { Button } from "./button.js";
-import { lockReason } from "./decision_bar.js";
+import { lockReason, stopReason } from "./decision_bar.js";
 import { EditDialog } from "./edit_dialog.js";
 import { PriorEdit } from "./prior_edit.js";
 
@@ -18,14 +18,14 @@ export function NodeEdit({ node, onDone }) {
   const [asked, setAsked] = useState(false);
   useEffect(() => (setLabel(node.label), setAsked(false)), [node.id, node.label]);
   if (node.weight === DROPPED) return null;
-  const locked = lockReason();
+  const [locked, held] = [lockReason(), stopReason()];
   const save = async () => void ((await labelNode(node.id, label)) && onDone());
   return html`<section class="node-edit">
     <form class="form-row" onSubmit=${(/** @type {Event} */ event) => (event.preventDefault(), void save())}>
       <input class="field grow" type="text" maxlength="200" placeholder="No label" aria-label="Label of the node" value=${label} onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ event) => setLabel(event.currentTarget.value)} />
       ${h(Button, { id: "node-label", label: "Label", hint: locked ?? "Store the label; empty takes it away", disabled: label.trim() === node.label || deciding.value || !!locked, onClick: () => void save() })}
       <a class="button button-plain" href=${link({ view: "loops", query: { tab: "link", from: String(node.id) } })}>Link…</a>
-      ${h(Button, { id: "node-drop", label: "Remove…", hint: locked ?? "Take the node out of the map; odometry is bridged over it, and undo brings it back", disabled: deciding.value || !!locked, onClick: () => setAsked(true) })}
+      ${h(Button, { id: "node-drop", label: "Remove…", hint: held ?? "Take the node out of the map; odometry is bridged over it, and undo brings it back", disabled: deciding.value || !!held, onClick: () => setAsked(true) })}
     </form>
     ${h(PriorEdit, { key: node.id, id: node.id })}
     ${asked &&

@@ -110,6 +110,7 @@ function tableRow(index, tracks, { columns, rowAt, selected, chosen, onSelect })
     aria-selected=${index === selected || Boolean(chosen?.(index))}
     class=${cx("table-row", chosen?.(index) && "chosen")}
     style=${{ gridTemplateColumns: tracks, transform: `translateY(${index * ROW_PX}px)` }}
+    onMouseDown=${(/** @type {MouseEvent} */ event) => chosen && event.shiftKey && event.preventDefault()}
     onClick=${(/** @type {MouseEvent} */ event) => onSelect(index, event)}
   >
     ${cells}

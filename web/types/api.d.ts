@@ -748,7 +748,7 @@ export interface components {
         Changes: {
             /**
              * Changed
-             * @description Links whose numbers change.
+             * @description Links, priors and sightings whose numbers change.
              */
             changed: number;
             /**
@@ -766,6 +766,10 @@ export interface components {
             nodes_back: number;
             /** Nodes Gone */
             nodes_gone: number;
+            /** Priors Gone */
+            priors_gone: number;
+            /** Priors New */
+            priors_new: number;
         };
         /**
          * CloudFacts
