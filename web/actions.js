@@ -4,6 +4,7 @@ import { patch, post } from "./api.js";
 import { remembered } from "./prefs.js";
 import { graphRevision, loadInfo, parameters, scene } from "./store.js";
 import { openMapId } from "./router.js";
+import { viewer } from "./viewer.js";
 
 /** @typedef {import("./types/http").Schemas} Schemas */
 /** @typedef {{id: number, kind: "bad" | "good", text: string}} Toast */
@@ -59,7 +60,7 @@ export const startRun = (run) => told(post("/api/session", { body: run }));
 export async function setScene(change) {
   const map = openMapId.value;
   if (!map) return;
-  const answer = await told(patch("/api/scene/{map}", { path: { map }, body: change }));
+  const answer = await told(patch("/api/scene/{map}", { path: { map }, query: { viewer }, body: change }));
   if (answer && map === openMapId.value) scene.value = answer;
 }
 

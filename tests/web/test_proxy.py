@@ -76,7 +76,7 @@ def app(tmp_path: Path, upstream: Upstream, monkeypatch: pytest.MonkeyPatch) -> 
     """The app with that server in the place of the map's 3D view."""
     write_loop_map(tmp_path / "loops.db")
     with RunningApp(Settings(roots=(tmp_path,), token=TOKEN, port=0), None) as app:
-        monkeypatch.setattr(app.services.scenes, "get", lambda _: upstream)
+        monkeypatch.setattr(app.services.scenes, "shown", lambda *_: upstream)
         yield app
 
 

@@ -665,7 +665,7 @@ export interface paths {
         head?: never;
         /**
          * Change Scene
-         * @description Change some of them, for everybody who looks at this map.
+         * @description Change some of them, for one window, or for all that give no name.
          */
         patch: operations["change_scene"];
         trace?: never;
@@ -5180,7 +5180,10 @@ export interface operations {
     };
     get_scene: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
             header?: never;
             path: {
                 /** @description Id of a map, from GET /api/maps. */
@@ -5248,7 +5251,10 @@ export interface operations {
     };
     change_scene: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
             header?: never;
             path: {
                 /** @description Id of a map, from GET /api/maps. */

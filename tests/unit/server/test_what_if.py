@@ -109,6 +109,11 @@ def test_what_was_tried_has_evidence_and_is_foreseen_but_once(toured: RunningApp
 
 def test_the_3d_view_is_told_what_to_show_and_lets_go_of_it(toured: RunningApp) -> None:
     assert toured.patch("/api/scene/tour", json={"what_if": 0.5}).json()["what_if"] == 0.5
+    # Each window has a view of its own.
+    assert toured.patch("/api/scene/tour?viewer=a-1", json={"dark": False}).json()["what_if"] is None
+    assert toured.patch("/api/scene/tour?viewer=b-2", json={"what_if": 0.3}).json()["dark"]
+    assert toured.get("/api/scene/tour?viewer=a-1").json()["what_if"] is None
+    assert toured.get("/api/scene/tour?viewer=b/2").status_code == 422
     assert toured.patch("/api/scene/tour", json={"dark": False}).json()["what_if"] == 0.5
     assert toured.patch("/api/scene/tour", json={"what_if": 1.5}).status_code == 422
     assert toured.patch("/api/scene/tour", json={"what_if": None}).json()["what_if"] is None
