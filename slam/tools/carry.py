@@ -45,7 +45,7 @@ def carry(writer: MapWriter, graph: PoseGraph, readers: Sequence[MapReader], ids
     for file, reader in enumerate(readers):
         for entry in _made_by_hand(reader):
             _decide(writer, graph, file, reader, entry, ids, done)
-        done.lost += [*_edited_odometry(reader), *_priors(reader)]
+        done.lost += _edited_odometry(reader)
     labels = _labels(readers, ids, done)
     writer.label_nodes(labels)
     done.labels = len(labels)
@@ -82,16 +82,6 @@ def _edited_odometry(reader: MapReader) -> list[str]:
     found = sorted({(entry.action, entry.pair) for entry in _edits(reader) if entry.pair in steps})
     return [
         f"{action} {a}-{b} of {reader.path.name}: odometry is replayed as it was measured" for action, (a, b) in found
-    ]
-
-
-def _priors(reader: MapReader) -> list[str]:
-    """Priors by hand, which hold in the frame of the old map."""
-    last = {entry.from_id: entry for entry in reader.journal() if entry.action == "prior" and entry.undone_by is None}
-    return [
-        f"prior of node {node_id} of {reader.path.name}: it holds in the frame of the old map"
-        for node_id, entry in last.items()
-        if entry.link_after is not None
     ]
 
 
