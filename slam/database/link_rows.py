@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, delete, select, text, true
+from sqlalchemy import Connection, delete, select, text, true, update
 
 from slam.database.blobs import (
     INFORMATION_BYTES,
@@ -62,6 +62,16 @@ def remove_link(connection: Connection, from_id: int, to_id: int) -> None:
     )
     if not removed:
         raise DatabaseError(f"link {from_id}-{to_id} can't be removed: the map has none between these nodes")
+
+
+def update_information(connection: Connection, item: Link) -> None:
+    """Give a link another information matrix, in both directions; DatabaseError when there is none."""
+    forth = (link.c.from_id == item.from_id) & (link.c.to_id == item.to_id)
+    back = (link.c.from_id == item.to_id) & (link.c.to_id == item.from_id)
+    rows = (forth | back) & (link.c.type == int(item.type))
+    packed = pack_information(item.information)
+    if not connection.execute(update(link).where(rows).values(information_matrix=packed)).rowcount:
+        raise DatabaseError(f"link {item.from_id}-{item.to_id} can't be changed: the map has none of this type")
 
 
 def read_links(connection: Connection, faults: Faults | None = None) -> list[Link]:

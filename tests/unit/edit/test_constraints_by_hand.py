@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -194,3 +196,30 @@ def test_labels_of_many_are_numbered_taken_away_and_never_given_twice(opened: Op
     assert [label for label in reader.nodes().labels if label] == ["door 3"]
     with pytest.raises(DecisionError, match="these 2 nodes have no label"):
         labelling_many(review.graph, reader, [1, 2], " ", "")
+
+
+def test_a_single_position_moves_the_map_and_turns_nothing(opened: Opened) -> None:
+    review, _, _ = opened
+    # Without gravity, which would say how the map is turned.
+    review.params = PARAMS.changed({"Optimizer/GravitySigma": 0.0})
+    review.graph.poses = optimize(review.graph, review.params).poses
+    before = stacked(review.graph.poses)
+    review.change([prior(25, review, sigmas=np.array([0.1, 0.1, 0.1, 0, 0, 0]))])
+    moved = stacked(review.graph.poses)
+    assert np.allclose(moved[:, :3, 3] - before[:, :3, 3], [0, 0, 2.0], atol=1e-3)
+    assert np.allclose(moved[:, :3, :3], before[:, :3, :3], atol=1e-4)
+
+
+def test_rows_of_links_keep_every_bit_of_both_directions_when_only_their_weight_changes(opened: Opened) -> None:
+    review, reader, _ = opened
+
+    def rows() -> list[tuple[object, ...]]:
+        with closing(sqlite3.connect(reader.path)) as file:
+            return sorted(file.execute("SELECT from_id, to_id, type, transform, information_matrix FROM Link"))
+
+    before = rows()
+    review.change(weights(review, types=(LinkType.NEIGHBOR, LinkType.LANDMARK)))
+    after = rows()
+    assert [row[:4] for row in after] == [row[:4] for row in before] and after != before
+    review.undo()
+    assert rows() == before
