@@ -33,8 +33,8 @@ def add_slash(map_id: MapId) -> Response:
     return RedirectResponse(f"/viser/{map_id}/")
 
 
-@router.get("/viser/{map}/@{viewer}/{path:path}")
 @router.get("/viser/{map}/{path:path}")
+@router.get("/viser/{map}/@{viewer}/{path:path}")
 async def forward(request: Request, services: ServicesDep, map_id: MapId, path: str, viewer: str = "") -> Response:
     """A file of viser's client."""
     port = await run_in_threadpool(lambda: services.scenes.shown(services.view(map_id), viewer).port)

@@ -92,6 +92,7 @@ def test_the_page_comes_as_it_is_with_a_policy_of_its_own(app: RunningApp, accep
 def test_other_paths_and_maps(app: RunningApp) -> None:
     assert app.get("/viser/loops/none").status_code == 404
     assert app.get("/viser/none/").status_code == 404
+    assert app.get("/viser/loops/%4012-3/").content == app.get("/viser/loops/@12-3/").content == PAGE
     answer = app.get("/viser/loops")
     assert answer.status_code == 307 and answer.headers["location"] == "/viser/loops/"
 
