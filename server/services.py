@@ -8,13 +8,24 @@ from collections import OrderedDict
 from collections.abc import Mapping
 from typing import Any
 
-from server.browse.edits import edit_result, wanted_edit
+from server.browse.edits import edit_result, wanted_covariances, wanted_edit, wanted_prior
 from server.browse.journal import decision_result
 from server.browse.map_view import MapView
 from server.browse.parameters import parameter_set
 from server.catalog import Catalog
 from server.editors import Editors
-from server.engine.commands import CancelJob, Command, Decide, DropNodes, EditLink, LabelNode, RunJob, SetParams
+from server.engine.commands import (
+    CancelJob,
+    Command,
+    Decide,
+    DropNodes,
+    EditCovariances,
+    EditLink,
+    EditPrior,
+    LabelNodes,
+    RunJob,
+    SetParams,
+)
 from server.engine.events import Ended, Event, GraphChanged, JobTold, Moved, NodeAdded
 from server.errors import EngineError, NotFoundError
 from server.hub import Hub
@@ -23,6 +34,7 @@ from server.robust import RobustWeights
 from server.runs import checked_source
 from server.scene.scenes import Scenes
 from server.schemas import (
+    Covariances,
     Decision,
     DecisionResult,
     Job,
@@ -31,6 +43,8 @@ from server.schemas import (
     LinkEditResult,
     NodeDrop,
     NodeLabel,
+    NodeLabels,
+    NodePrior,
     ParameterSet,
     Session,
     StartJob,
@@ -50,6 +64,7 @@ from slam.review import Effect
 from slam.tools.parameters import taken
 
 _OPEN_MAPS = 8
+_PRIORS_IGNORED = "Optimizer/PriorsIgnored is on: the prior is stored, and moves no pose until that is switched off"
 
 
 class Services:
@@ -102,7 +117,8 @@ class Services:
 
     async def decide(self, view: MapView, decision: Decision) -> DecisionResult:
         """Carry out a decision in the process that may write the map."""
-        command = Decide(decision.action, decision.pairs, _author(decision.author), decision.preview)
+        tried = view.tried(decision.pairs) if decision.action == "approve" else ()
+        command = Decide(decision.action, decision.pairs, _author(decision.author), decision.preview, tried)
         return self._decided(view, await self._ask(view, command))
 
     async def edit_link(self, view: MapView, edit: LinkEdit) -> LinkEditResult:
@@ -124,7 +140,29 @@ class Services:
 
     async def label_node(self, view: MapView, node_id: int, label: NodeLabel) -> DecisionResult:
         """Give a node a label, or take it away."""
-        return self._decided(view, await self._ask(view, LabelNode(node_id, label.label, _author(label.author))))
+        return await self.label_nodes(view, NodeLabels(nodes=[node_id], label=label.label, author=label.author))
+
+    async def label_nodes(self, view: MapView, labels: NodeLabels) -> DecisionResult:
+        """Give nodes a label, or take theirs away, or say what that would do."""
+        command = LabelNodes(tuple(labels.nodes), labels.label, _author(labels.author), labels.preview)
+        return self._decided(view, await self._ask(view, command))
+
+    async def edit_prior(self, view: MapView, node_id: int, prior: NodePrior) -> DecisionResult:
+        """Give a node a prior, change or remove it, or say what that would do."""
+        command = EditPrior(wanted_prior(node_id, prior, _author(prior.author)), prior.preview)
+        effect = await self._ask(view, command)
+        return self._decided(view, effect, _PRIORS_IGNORED if self.ignores_priors(view) else "")
+
+    def ignores_priors(self, view: MapView) -> bool:
+        """Whether no prior moves anything, in the engine that makes the map or by the map's own parameters."""
+        in_force = self.session.parameters_of(view.file.id)
+        values = dict(view.snapshot().params.items()) if in_force is None else in_force
+        return bool(values["Optimizer/PriorsIgnored"])
+
+    async def edit_covariances(self, view: MapView, edit: Covariances) -> DecisionResult:
+        """Give many links other covariances, or say what that would do."""
+        command = EditCovariances(wanted_covariances(edit, _author(edit.author)), edit.preview)
+        return self._decided(view, await self._ask(view, command))
 
     async def start_job(self, view: MapView, body: StartJob) -> Job:
         """Begin long work on a map."""
@@ -197,11 +235,11 @@ class Services:
             )
         return await self.editors.request(view.file, command)
 
-    def _decided(self, view: MapView, effect: Effect) -> DecisionResult:
+    def _decided(self, view: MapView, effect: Effect, note: str = "") -> DecisionResult:
         """What a decision did; everybody is told."""
         if effect.preview:
-            return decision_result(effect, None)
-        result = decision_result(effect, self._graph_changed(view.file.id))
+            return decision_result(effect, None, note)
+        result = decision_result(effect, self._graph_changed(view.file.id), note)
         self.hub.publish("decision", view.file.id, result.model_dump(by_alias=True))
         return result
 

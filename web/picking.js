@@ -7,6 +7,7 @@ import { pickNode } from "./pair.js";
 import { go, openMapId, route } from "./router.js";
 import { selection } from "./store.js";
 import { pickEnd } from "./parts/link_tool.js";
+import { viewer } from "./viewer.js";
 
 /** @typedef {{kind: "node" | "link", ids: number[]}} Picked */
 
@@ -16,7 +17,7 @@ export const hovered = signal(null);
 const mark = latest(setScene);
 
 export function startPicking() {
-  on("selection", (value, map) => map === openMapId.value && show(value));
+  on("selection", (value, map) => map === openMapId.value && (!value.viewer || value.viewer === viewer) && show(value));
   let marked = false;
   effect(() => {
     const now = hovered.value === null ? selection.value : { kind: /** @type {const} */ ("node"), id: hovered.value };

@@ -4,6 +4,7 @@ import { get } from "./api.js";
 import { Columns } from "./columns.js";
 import { on, openings } from "./events.js";
 import { openMapId, route } from "./router.js";
+import { viewer } from "./viewer.js";
 
 /** @typedef {import("./types/http").Schemas} Schemas */
 /** @typedef {{kind: "node", id: number} | {kind: "link", from: number, to: number}} Selection */
@@ -79,7 +80,7 @@ async function loadSession() {
 async function loadScene() {
   const map = openMapId.value;
   if (!map) return;
-  const found = await get("/api/scene/{map}", { path: { map } }).catch(() => null);
+  const found = await get("/api/scene/{map}", { path: { map }, query: { viewer } }).catch(() => null);
   if (map === openMapId.value && found) scene.value = found;
 }
 

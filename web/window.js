@@ -7,6 +7,10 @@ import { get } from "./api.js";
 /** @typedef {NonNullable<NonNullable<NodeQuery>["order"]>} NodeOrder */
 
 const PAGE = 100;
+/** Most rows of one answer. */
+const AT_ONCE = 500;
+/** Weight of nodes that left the map: nothing can be done to them. */
+const DROPPED = -9;
 
 export class Window {
   /** @param {string} map */
@@ -88,6 +92,28 @@ export class Window {
   sought() {
     const here = this.find(this.wanted);
     return here >= 0 ? here : (this.row ?? -1);
+  }
+
+  /** Ids of the rows of a range, whether they are here or not. @param {number} first @param {number} last */
+  async ids(first, last) {
+    const ids = [];
+    for (let offset = first; offset < last; offset += AT_ONCE) {
+      const query = { offset, limit: Math.min(AT_ONCE, last - offset), order: this.order, q: this.query, dropped: this.dropped };
+      const found = await get("/api/maps/{map}/nodes", { path: { map: this.map }, query });
+      ids.push(...found.nodes.filter(({ weight }) => weight !== DROPPED).map(({ id }) => id));
+    }
+    return ids;
+  }
+
+  /** Ids from one to another, whatever the filter shows. @param {number} first @param {number} last */
+  async stretch(first, last) {
+    const all = new Window(this.map);
+    return (await all.ids(0, (await all.count()))).filter((id) => id >= first && id <= last);
+  }
+
+  /** How many nodes the map has. */
+  async count() {
+    return (await get("/api/maps/{map}/nodes", { path: { map: this.map }, query: { limit: 1 } })).total;
   }
 
   /** @param {number} page */

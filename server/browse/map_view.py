@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from server.browse.trials import LoopTrials
 from server.browse.what_if import WhatIfs
 from server.catalog import MapFile
 from slam.database import Faults, MapReader, StatisticsTable
+from slam.types import Candidate
 
 Fingerprint = tuple[tuple[int, int], ...]
 
@@ -72,6 +73,11 @@ class MapView:
             )
             self._print = now
             return self._snapshot
+
+    def tried(self, pairs: Iterable[tuple[int, int]]) -> tuple[Candidate, ...]:
+        """Those of these loops that only the what-if has looked at."""
+        done, wanted = self.trials.done(self.snapshot().params), {(min(pair), max(pair)) for pair in pairs}
+        return tuple(candidate for pair, candidate in done.items() if pair in wanted)
 
     def timeline(self) -> Timeline:
         """The updates that led to what the file holds now."""

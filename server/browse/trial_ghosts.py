@@ -17,6 +17,7 @@ def ghosts_of(found: TrialComparison) -> LoopWhatIf:
         moved=found.moved,
         max_shift_m=found.max_shift_m,
         ate_m=found.tried.ate_m,
+        stored_off_m=0.0,
     )
     return LoopWhatIf(
         threshold=0.0,

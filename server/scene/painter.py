@@ -115,6 +115,11 @@ class Painter:
         """The port of the viser server."""
         return self._viewer.get_port()
 
+    @property
+    def is_watched(self) -> bool:
+        """Whether a browser is connected."""
+        return bool(self._viewer.get_clients())
+
     def close(self) -> None:
         """Close the port."""
         self._viewer.stop()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from server.browse.map_view import MapView
 from server.browse.snapshot import Pair
@@ -13,6 +14,9 @@ from server.schemas.scene import Scene, SceneChange, SceneLayers
 from slam.errors import SlamError
 from slam.geometry import Pose
 
+if TYPE_CHECKING:
+    from server.scene.painter import Painter
+
 _LOG = logging.getLogger(__name__)
 
 #: A map that is being written is drawn at most this often.
@@ -20,12 +24,17 @@ _PAUSE_S = 0.15
 
 
 class MapScene:
-    """Shows a map in a viser server of its own, to as many browsers as look at it.
+    """Shows a map in a viser server of its own, to one viewer or to as many browsers as look at it.
+
+    Until it is started, and once it is stopped, it is only the state of what is to be shown.
 
     Attributes:
         view: the map.
-        port: of the viser server on 127.0.0.1.
+        port: of the viser server on 127.0.0.1, once it is started.
     """
+
+    port: int
+    _painter: Painter
 
     def __init__(
         self,
@@ -34,11 +43,9 @@ class MapScene:
         trial: Callable[[int], LoopWhatIf | None] = lambda _: None,
         *,
         dark: bool = True,
+        started: bool = True,
     ) -> None:
-        """Start the view; ``trial`` says what the map would be by a trial, None where there is none."""
-        # viser takes a second to load: only who opens a view waits for it.
-        from server.scene.painter import Painter
-
+        """A view; ``trial`` says what the map would be by a trial, None where there is none."""
         self.view = view
         self._on_select = on_select
         self._trial = trial
@@ -49,9 +56,31 @@ class MapScene:
         self._looking = threading.Event()
         self._pose: Pose | None = None
         self._closing = threading.Event()
+        self._worker: threading.Thread | None = None
+        if started:
+            self.start()
+
+    @property
+    def is_started(self) -> bool:
+        """Whether it draws."""
+        return self._worker is not None
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a browser shows it now."""
+        return self.is_started and self._painter.is_watched
+
+    def start(self) -> None:
+        """Open the port and draw, unless that is so already."""
+        if self.is_started:
+            return
+        # viser takes a second to load: only who opens a view waits for it.
+        from server.scene.painter import Painter
+
+        self._closing.clear()
         self._painter = Painter(self._clicked_node, self._clicked_link)
         self.port = self._painter.port
-        self._worker = threading.Thread(target=self._work, name=f"scene {view.file.id}", daemon=True)
+        self._worker = threading.Thread(target=self._work, name=f"scene {self.view.file.id}", daemon=True)
         self._worker.start()
         self.refresh()
 
@@ -107,10 +136,13 @@ class MapScene:
         return self.state()
 
     def close(self) -> None:
-        """Stop drawing and close the port."""
+        """Stop drawing and close the port; what is to be shown is kept."""
+        if self._worker is None:
+            return
         self._closing.set()
         self._changed.set()
         self._worker.join()
+        self._worker = None
         self._painter.close()
 
     def _clicked_node(self, node_id: int) -> None:

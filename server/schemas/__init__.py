@@ -2,6 +2,7 @@
 
 from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RowFault, RunState, Schema, Size
 from server.schemas.decisions import (
+    Changes,
     Decision,
     DecisionAction,
     DecisionEffect,
@@ -11,6 +12,7 @@ from server.schemas.decisions import (
     RefusedDecision,
 )
 from server.schemas.edits import (
+    Covariances,
     DetectOptions,
     EditedLink,
     IcpFacts,
@@ -20,6 +22,9 @@ from server.schemas.edits import (
     LinkEditResult,
     NodeDrop,
     NodeLabel,
+    NodeLabels,
+    NodePrior,
+    NodePriorState,
     RefineOptions,
     StartJob,
 )
@@ -76,8 +81,10 @@ from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
     "CameraModel",
+    "Changes",
     "CloudFacts",
     "Colouring",
+    "Covariances",
     "Decision",
     "DecisionAction",
     "DecisionEffect",
@@ -122,9 +129,12 @@ __all__ = [
     "NodeDrop",
     "NodeFeatures",
     "NodeLabel",
+    "NodeLabels",
     "NodeLink",
     "NodePage",
     "NodePair",
+    "NodePrior",
+    "NodePriorState",
     "NodeRow",
     "NodeSensors",
     "Parameter",

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, delete, func, select, text
+from sqlalchemy import Connection, delete, func, select, text, true, update
 
 from slam.database.blobs import (
     INFORMATION_BYTES,
@@ -56,13 +56,26 @@ def insert_link(connection: Connection, item: Link) -> None:
 
 
 def remove_link(connection: Connection, from_id: int, to_id: int) -> None:
-    """Remove the link between two nodes, in both directions; DatabaseError when there is none."""
+    """Remove the link between two nodes, in both directions, or the prior of one; DatabaseError when there is none."""
     pairs = [(from_id, to_id), (to_id, from_id)]
+    # Gravity is a link of a node to itself as well: it was measured, and nobody takes it away.
+    meant = (link.c.type == int(LinkType.POSE_PRIOR)) if from_id == to_id else true()
     removed = sum(
-        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b))).rowcount for a, b in pairs
+        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b) & meant)).rowcount
+        for a, b in pairs
     )
     if not removed:
         raise DatabaseError(f"link {from_id}-{to_id} can't be removed: the map has none between these nodes")
+
+
+def update_information(connection: Connection, item: Link) -> None:
+    """Give a link another information matrix, in both directions; DatabaseError when there is none."""
+    forth = (link.c.from_id == item.from_id) & (link.c.to_id == item.to_id)
+    back = (link.c.from_id == item.to_id) & (link.c.to_id == item.from_id)
+    rows = (forth | back) & (link.c.type == int(item.type))
+    packed = pack_information(item.information)
+    if not connection.execute(update(link).where(rows).values(information_matrix=packed)).rowcount:
+        raise DatabaseError(f"link {item.from_id}-{item.to_id} can't be changed: the map has none of this type")
 
 
 def read_links(connection: Connection, faults: Faults | None = None) -> list[Link]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from sqlalchemy import Connection, column, func, insert, select
 
-from slam.database.deck_tables import parameter_change
+from slam.database.deck_tables import parameter_change, session
 from slam.database.deck_values import ParameterChange
 from slam.database.faults import Faults, each_sound, number_of, text_of, whole_of
 from slam.database.parameter_text import format_parameters, parse_parameters
@@ -34,9 +34,16 @@ def change_parameters(connection: Connection, changes: Mapping[str, str]) -> Non
     row = connection.scalar(select(column("rowid")).select_from(info).order_by(*_NEWEST_FIRST).limit(1))
     if row is None:
         raise DatabaseError("the file has no parameters, as no session was ever saved: there are none to change")
-    text = format_parameters({**read_parameters(connection), **changes})
+    known = read_parameters(connection)
+    text = format_parameters({**known, **changes})
     connection.exec_driver_sql("UPDATE Info SET parameters = ? WHERE rowid = ?", (text, row))
     node_id = connection.scalar(select(func.max(node.c.id))) or 0
+    if connection.scalar(select(session.c.map_id).limit(1)) is None:
+        # Other programs keep the values of a session nowhere else.
+        logged = set(connection.scalars(select(parameter_change.c.name)))
+        for name in changes:
+            if name in known and name not in logged:
+                insert_parameter_change(connection, 0, name, known[name])
     for name, value in changes.items():
         insert_parameter_change(connection, node_id, name, value)
 

@@ -118,7 +118,10 @@ def test_another_threshold_says_which_loops_would_come_and_go(library: Served, o
     expect(rows.filter(has_text="goes").first).to_contain_text("yes")
     expect(page.locator(".what-if-facts")).to_contain_text(re.compile(r"Recall\s*0.0 %.*ATE.* → ", re.S))
     expect(page.get_by_role("list", name="Legend")).to_contain_text("at LoopThr 1")
-    expect(page.locator("#what-if-apply")).to_be_disabled()
+    expect(page.locator("#what-if-apply")).to_be_enabled()
+    page.locator("#reject-all").click()
+    expect(page.locator("#bulk-changes")).to_contain_text(re.compile(r"\d+ loops? lost"), timeout=SLOW)
+    page.get_by_role("button", name="Cancel").click()
     # The line in the chart of the hypothesis is another handle of the same threshold.
     box = page.locator(".strip-chart .u-over").nth(2).bounding_box()
     assert box is not None

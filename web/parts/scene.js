@@ -36,7 +36,7 @@ export function SceneView() {
   </section>`;
 }
 
-/** Ghosts that somebody left, perhaps in another browser, can be put away. @param {import("../store.js").Schemas["Scene"] | null} now */
+/** Ghosts that were left by a reload can be put away. @param {import("../store.js").Schemas["Scene"] | null} now */
 function ghostChip(now) {
   if (now !== null && now.what_if === null && now.trial !== null) {
     return h(Chip, { label: `Trial ${now.trial} ×`, hint: "Ghosts of a trial of parameters are shown; click to hide them", on: true, onChange: () => void setScene({ trial: null }) });

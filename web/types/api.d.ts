@@ -212,6 +212,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/links/covariances": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Edit Covariances
+         * @description Give many links other covariances; their transforms stay.
+         */
+        post: operations["edit_covariances"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/links/{from_id}/{to_id}": {
         parameters: {
             query?: never;
@@ -330,6 +350,26 @@ export interface paths {
          * @description Take nodes out of the map; odometry's way is bridged over them, and undo brings them back.
          */
         post: operations["drop_nodes"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/label": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Label Nodes
+         * @description Give several nodes a numbered label, or take theirs away.
+         */
+        post: operations["label_nodes"];
         delete?: never;
         options?: never;
         head?: never;
@@ -490,6 +530,30 @@ export interface paths {
         get: operations["get_node_pixel"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/prior": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Prior
+         * @description The prior of a node, and whether priors count.
+         */
+        get: operations["get_prior"];
+        put?: never;
+        /**
+         * Edit Prior
+         * @description Give a node a prior, change it, or take it away.
+         */
+        post: operations["edit_prior"];
         delete?: never;
         options?: never;
         head?: never;
@@ -803,7 +867,7 @@ export interface paths {
         head?: never;
         /**
          * Change Scene
-         * @description Change some of them, for everybody who looks at this map.
+         * @description Change some of them, for one window, or for all that give no name.
          */
         patch: operations["change_scene"];
         trace?: never;
@@ -819,7 +883,7 @@ export interface paths {
         put?: never;
         /**
          * Look At Selected
-         * @description Bring the cameras of everybody who looks at this map to the selected node.
+         * @description Bring the camera of a window to the selected node.
          */
         post: operations["look_at_selected"];
         delete?: never;
@@ -905,6 +969,36 @@ export interface components {
             width: number;
         };
         /**
+         * Changes
+         * @description What comes, goes and changes by decisions made together.
+         */
+        Changes: {
+            /**
+             * Changed
+             * @description Links, priors and sightings whose numbers change.
+             */
+            changed: number;
+            /**
+             * Links Gone
+             * @description Between two nodes; loops are counted on their own.
+             */
+            links_gone: number;
+            /** Links New */
+            links_new: number;
+            /** Loops Gone */
+            loops_gone: number;
+            /** Loops New */
+            loops_new: number;
+            /** Nodes Back */
+            nodes_back: number;
+            /** Nodes Gone */
+            nodes_gone: number;
+            /** Priors Gone */
+            priors_gone: number;
+            /** Priors New */
+            priors_new: number;
+        };
+        /**
          * CloudFacts
          * @description The stored scan of a node.
          */
@@ -950,6 +1044,59 @@ export interface components {
              * @description Least and greatest distance that the scanner measures, where the file says so.
              */
             scanner_range_m: number[] | null;
+        };
+        /**
+         * Covariances
+         * @description Covariances for many links.
+         */
+        Covariances: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * First
+             * @default 0
+             */
+            first: number;
+            /**
+             * Inter
+             * @default true
+             */
+            inter: boolean;
+            /**
+             * Intra
+             * @default true
+             */
+            intra: boolean;
+            /**
+             * Last
+             * @description Ids of nodes; 0 for no limit.
+             * @default 0
+             */
+            last: number;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Session
+             * @description Only links of a node of this session; -1 for all.
+             * @default -1
+             */
+            session: number;
+            /**
+             * Sigmas
+             * @description x y z in metres, roll pitch yaw in degrees; 0 where nothing is known.
+             */
+            sigmas: number[];
+            /**
+             * Types
+             * @description None for all links between two nodes; landmarks only where they are named.
+             */
+            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged" | "Landmark")[];
         };
         /**
          * Decision
@@ -1014,6 +1161,7 @@ export interface components {
          * @description The decisions as they were journalled, and the graph's new revision.
          */
         DecisionResult: {
+            changes: components["schemas"]["Changes"];
             /**
              * Count
              * @description Loops that it was about.
@@ -1022,6 +1170,12 @@ export interface components {
             effect: components["schemas"]["DecisionEffect"];
             /** @description The first of them; of a preview what would be written. */
             entry: components["schemas"]["JournalEntry"];
+            /**
+             * Note
+             * @description What else must be known of it, such as a parameter that keeps it from having an effect.
+             * @default
+             */
+            note: string;
             /** Preview */
             preview: boolean;
             /** Refused */
@@ -1085,6 +1239,12 @@ export interface components {
              * @default 1
              */
             radius_m: number;
+            /**
+             * Session
+             * @description Only pairs with a node of this session; -1 for all.
+             * @default -1
+             */
+            session: number;
         };
         /**
          * EditedLink
@@ -1793,7 +1953,7 @@ export interface components {
         LoopWhatIf: {
             /**
              * Ate Now M
-             * @description Trajectory error of the map as it is.
+             * @description Trajectory error of the map as it is: at its optimum where ``graph`` is asked for, else at the stored poses.
              */
             ate_now_m: number | null;
             /**
@@ -2147,6 +2307,26 @@ export interface components {
             label: string;
         };
         /**
+         * NodeLabels
+         * @description A label for several nodes, numbered in the order of their ids; empty takes theirs away.
+         */
+        NodeLabels: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Label */
+            label: string;
+            /** Nodes */
+            nodes: number[];
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+        };
+        /**
          * NodeLink
          * @description A link as seen from one of its nodes.
          */
@@ -2202,6 +2382,55 @@ export interface components {
             odometry: components["schemas"]["PoseDifference"] | null;
             truth: components["schemas"]["PoseDifference"] | null;
             words: components["schemas"]["SharedWords"];
+        };
+        /**
+         * NodePrior
+         * @description What a node's prior is to be.
+         */
+        NodePrior: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Sigmas
+             * @description Of the same axes, in the frame of the node; three zeros for the angles: only the position is known.
+             */
+            sigmas?: number[] | null;
+            /**
+             * Transform
+             * @description x y z in metres, roll pitch yaw in degrees, map frame; null takes the prior away.
+             */
+            transform?: number[] | null;
+        };
+        /**
+         * NodePriorState
+         * @description The prior of a node as it is.
+         */
+        NodePriorState: {
+            /**
+             * Ignored
+             * @description Whether ``Optimizer/PriorsIgnored`` is on, so that no prior moves anything.
+             */
+            ignored: boolean;
+            /** Sigmas */
+            sigmas: number[] | null;
+            /**
+             * Suggested
+             * @description Where the node is now.
+             */
+            suggested: number[];
+            /**
+             * Transform
+             * @description As in NodePrior; null where the node has none.
+             */
+            transform: number[] | null;
         };
         /**
          * NodeRow
@@ -2424,6 +2653,7 @@ export interface components {
             intra: boolean;
             /**
              * Last
+             * @description Ids of nodes; 0 for no limit.
              * @default 0
              */
             last: number;
@@ -2434,10 +2664,16 @@ export interface components {
              */
             method: "visual" | "icp" | "both";
             /**
-             * Types
-             * @description None for all.
+             * Session
+             * @description Only links of a node of this session; -1 for all.
+             * @default -1
              */
-            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged")[];
+            session: number;
+            /**
+             * Types
+             * @description None for all links between two nodes; landmarks only where they are named.
+             */
+            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged" | "Landmark")[];
         };
         /**
          * RefusedDecision
@@ -3095,6 +3331,11 @@ export interface components {
             moved: number;
             /** Poses */
             poses: number[][];
+            /**
+             * Stored Off M
+             * @description How far the stored poses are from the optimum of the graph as it is, with which all this is compared.
+             */
+            stored_off_m: number;
         };
         /**
          * WhatIfLoop
@@ -3969,6 +4210,78 @@ export interface operations {
             };
         };
     };
+    edit_covariances: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Covariances"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_link: {
         parameters: {
             query?: never;
@@ -4407,6 +4720,78 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["NodeDrop"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    label_nodes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodeLabels"];
             };
         };
         responses: {
@@ -4986,6 +5371,148 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PixelDepth"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_prior: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodePriorState"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    edit_prior: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodePrior"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
                 };
             };
             /** @description No token. */
@@ -6155,7 +6682,10 @@ export interface operations {
     };
     get_scene: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
             header?: never;
             path: {
                 /** @description Id of a map, from GET /api/maps. */
@@ -6223,7 +6753,10 @@ export interface operations {
     };
     change_scene: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
             header?: never;
             path: {
                 /** @description Id of a map, from GET /api/maps. */
@@ -6295,7 +6828,10 @@ export interface operations {
     };
     look_at_selected: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
             header?: never;
             path: {
                 /** @description Id of a map, from GET /api/maps. */

@@ -9,6 +9,7 @@ import { go, openMapId, route } from "../router.js";
 import { columns, graphRevision, info } from "../store.js";
 import { Chip } from "../parts/button.js";
 import { Badge } from "../parts/facts.js";
+import { ChoiceBar, useChoice } from "../parts/node_choice.js";
 import { NodeInspector } from "../parts/node.js";
 import { NodePairInspector } from "../parts/node_pair.js";
 import { NodeSearch, SearchHelp } from "../parts/node_search.js";
@@ -63,7 +64,9 @@ export function Nodes() {
   useChanged(/** @type {import("../columns.js").Columns} */ (columns.value).revision, () => rows.refresh());
 
   void rows.revision.value;
-  const select = (/** @type {number} */ row) => {
+  const choice = useChoice(rows);
+  const select = (/** @type {number} */ row, /** @type {MouseEvent | undefined} */ event = undefined) => {
+    if (choice.click(row, event, at)) return;
     const found = rows.at(row);
     if (found) pickNode(found.id);
     setWanted(found ? -1 : row);
@@ -88,6 +91,7 @@ export function Nodes() {
       ${h(NodeSearch, { query, onChange: (q) => look({ q }) })}
     </div>
     <div class="view-table">${nodeTable()}</div>
+    ${rows.total > 0 && h(ChoiceBar, { choice, rows, onDone: () => rows.refresh() })}
     ${selected > 0 && inspector()}
   </div>`;
 
@@ -112,6 +116,7 @@ export function Nodes() {
       onRange: (first, last) => rows.show(first, last),
       selected: at,
       onSelect: select,
+      chosen: (row) => choice.ids.has(rows.at(row)?.id ?? 0),
       order,
       onOrder: (next) => look({ order: next }),
     });
