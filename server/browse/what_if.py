@@ -67,7 +67,10 @@ def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: b
     tried = {**view.trials.done(params), **{p: row.candidate for p, row in snapshot.candidates.items()}}
     held = {pair for pair in snapshot.links.keys() | tried.keys() if snapshot.history.last(pair) is not None}
     found = foresee(_hypotheses(view, snapshot), snapshot.links, tried, held, threshold, params.Rtabmap.LoopThr)
-    pending = view.trials.ask([one.hypothesis for one in found if one.outcome is Outcome.UNTRIED], params)
+    untried = [one.hypothesis for one in found if one.outcome is Outcome.UNTRIED]
+    view.trials.ask(untried, params)
+    # Tried or not by now: what is shown does not know it yet.
+    pending = len(untried)
     graph, found = _graph(snapshot, found) if with_graph and not pending else (None, found)
     loops = [_loop(snapshot, one) for one in found]
     precision, recall = _scores(loops)
