@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from server.browse.beliefs import BeliefLog
+from server.browse.grid_then import GridThen
 from server.browse.increments import Increments
 from server.browse.moves import Move, moves_of_states
+from server.browse.past import Past
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
@@ -49,6 +51,8 @@ class MapView:
         self._revision = 0
         self._snapshot: Snapshot | None = None
         self._timeline: Timeline | None = None
+        self._past: Past | None = None
+        self._grids: GridThen | None = None
         # How many updates slamdeck did not make, and what moved in them.
         self._earlier: tuple[int, Sequence[Move]] = (0, ())
         # Of updates, which are read once.
@@ -81,6 +85,14 @@ class MapView:
         made = Timeline(snapshot, [*self._earlier_moves(measured, recorded), *recorded], measured)
         self._timeline = made
         return made
+
+    def past(self) -> Past:
+        """The moments of that timeline; for the one thread that draws the 3D view."""
+        timeline = self.timeline()
+        if self._past is None or self._past.timeline is not timeline:
+            self._grids = self._grids or GridThen(self.reader, timeline.snapshot.params)
+            self._past = Past(timeline, self._grids)
+        return self._past
 
     def _earlier_moves(self, measured: StatisticsTable, recorded: Sequence[Move]) -> Sequence[Move]:
         """Moves of updates that slamdeck did not make; read anew only when there are more of them."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from server.browse.past import Then
 from server.browse.snapshot import Pair, Snapshot
 from server.browse.timeline import Moment
 from server.scene.clouds import CloudLayer
@@ -33,7 +34,7 @@ from server.schemas.scene import Scene
 from slam.geometry import Pose
 from slam.loop.foresight import Outcome
 
-#: Clouds read before the file is looked at again.
+#: Clouds read before the file is looked at again, one while somebody goes through its past.
 _AT_ONCE = 4
 #: Clouds from all over the map that tell where its floor is and how large it looks, before the camera is placed.
 _FIRST = 12
@@ -51,7 +52,12 @@ class Picture:
     graph: PlacedGraph
     state: Scene
     ghosts: LoopWhatIf | None = None
-    moment: Moment | None = None
+    then: Then | None = None
+
+    @property
+    def moment(self) -> Moment | None:
+        """Which one is shown; None for now."""
+        return None if self.then is None else self.then.moment
 
     @property
     def look(self) -> Theme:
@@ -61,12 +67,21 @@ class Picture:
     @cached_property
     def shown(self) -> PlacedGraph:
         """The part of the graph that was there."""
-        return self.graph if self.moment is None else self.graph.then(self.moment)
+        return self.graph if self.then is None else self.graph.then(self.then.moment, self.then.poses)
 
     @property
     def until(self) -> int | None:
         """The last node that was there; None for all."""
-        return None if self.moment is None else self.moment.at
+        return None if self.then is None else self.then.moment.at
+
+    @cached_property
+    def clouded(self) -> PlacedGraph:
+        """The whole graph as its clouds lie: those of then, and out of sight those that came later."""
+        if self.then is None or self.then.poses is None:
+            return self.graph
+        T_map = self.graph.T_map.copy()
+        T_map[: len(self.shown)] = self.shown.T_map
+        return replace(self.graph, T_map=T_map)
 
     @property
     def measure(self) -> Measure:
@@ -106,7 +121,7 @@ class Painter:
         self._viewer.stop()
 
     def draw(
-        self, snapshot: Snapshot, state: Scene, ghosts: LoopWhatIf | None = None, moment: Moment | None = None
+        self, snapshot: Snapshot, state: Scene, ghosts: LoopWhatIf | None = None, then: Then | None = None
     ) -> None:
         """Show the map as it is now, with ghosts of what it would be, or as it was at a moment.
 
@@ -114,20 +129,19 @@ class Painter:
         """
         before = self._shown
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
-        picture = Picture(snapshot, graph, state, ghosts if moment is None else None, moment)
-        with_images = _with_images(snapshot) if state.layers.cloud else set()
-        with_scans = snapshot.reader.nodes_with("scan").tolist() if state.layers.cloud else []
-        grid = snapshot.reader.grid() if state.layers.grid else None
+        picture = Picture(snapshot, graph, state, ghosts if then is None else None, then)
+        with_images = snapshot.pictured if state.layers.cloud else frozenset()
+        with_scans = snapshot.scanned if state.layers.cloud else frozenset()
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
             overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
             visible = state.layers.cloud and not overlaid
-            self._clouds.draw(graph, with_images, with_scans, visible=visible, until=picture.until)
+            self._clouds.draw(picture.clouded, with_images, with_scans, visible=visible, until=picture.until)
             self._draw_graph(picture)
             self._highlight.draw(snapshot, picture.shown, *_selection(state), picture.measure, picture.look)
             self._model.draw(snapshot.reader, snapshot.revision, visible=state.layers.model)
-            self._floor.draw_grid(grid, picture.look, visible=state.layers.grid)
+            self._draw_grid(picture)
             self._draw_ground(picture)
         self._shown = picture
 
@@ -141,7 +155,7 @@ class Painter:
         if picture is None or not len(picture.graph):
             return False
         missing = self._clouds.missing if picture.state.layers.cloud else []
-        chosen = missing[: -_AT_ONCE - 1 : -1]
+        chosen = missing[: -(_AT_ONCE if picture.then is None else 1) - 1 : -1]
         if self._framing is None and len(missing) > _FIRST:
             chosen = [missing[i] for i in np.linspace(0, len(missing) - 1, _FIRST).astype(int)]
         self._clouds.load(picture.snapshot.reader, chosen)
@@ -161,12 +175,19 @@ class Painter:
         self._links.draw(graph.without(going), measure.node, look, visible=layers.graph)
         self._ghosts.draw(graph, picture.ghosts, measure, look, visible=layers.graph)
         self._paths.draw(
-            picture.graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth, until=picture.until
+            picture.clouded, measure.dash, look, odometry=layers.odometry, truth=layers.truth, until=picture.until
         )
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
         self._landmarks.draw(picture.snapshot.poses, measure.frustum, visible=layers.graph)
         self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph, T_map_base=T_map_base)
         self._hypothesis.draw(graph, moment, measure.node, look, visible=layers.graph)
+
+    def _draw_grid(self, picture: Picture) -> None:
+        then, shown = picture.then, picture.state.layers.grid
+        if then is not None:
+            self._floor.draw_grid(then.grid, picture.look, visible=shown, sharp=then.is_complete)
+        else:
+            self._floor.draw_grid(picture.snapshot.reader.grid() if shown else None, picture.look, visible=shown)
 
     def _draw_ground(self, picture: Picture) -> None:
         height = floor_height(picture.graph.positions, self._clouds.sample())
@@ -184,12 +205,6 @@ class Painter:
         camera.position, camera.look_at = framing.position, framing.look_at
         camera.up, camera.fov = (0.0, 0.0, 1.0), float(FIELD_OF_VIEW)
         camera.far = max(_FAR_M, 20.0 * framing.distance)
-
-
-def _with_images(snapshot: Snapshot) -> set[int]:
-    """Nodes that have all that a cloud takes."""
-    images, depths = snapshot.reader.nodes_with("image"), snapshot.reader.nodes_with("depth")
-    return set(images.tolist()) & set(depths.tolist()) & snapshot.calibrated
 
 
 def _selection(state: Scene) -> tuple[int | None, Pair | None]:

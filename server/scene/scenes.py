@@ -9,11 +9,13 @@ from collections.abc import Callable
 from server.browse.map_view import MapView
 from server.hub import Hub
 from server.scene.scene import MapScene
+from server.schemas.scene import Scene
 from slam.geometry import Pose
 
 _OPEN = 4
 
 OnSelect = Callable[[str, tuple[int, ...]], None]
+OnState = Callable[[Scene], None]
 
 
 class Scenes:
@@ -31,7 +33,9 @@ class Scenes:
             if scene is None or scene.view is not view:
                 if scene is not None:
                     scene.close()
-                scene = self._scenes[view.file.id] = MapScene(view, self._selected(view.file.id))
+                scene = self._scenes[view.file.id] = MapScene(
+                    view, self._selected(view.file.id), self._changed(view.file.id)
+                )
             self._scenes.move_to_end(view.file.id)
             while len(self._scenes) > _OPEN:
                 self._scenes.popitem(last=False)[1].close()
@@ -54,6 +58,14 @@ class Scenes:
 
         def publish(kind: str, ids: tuple[int, ...]) -> None:
             self._hub.publish("selection", map_id, {"kind": kind, "ids": list(ids)})
+
+        return publish
+
+    def _changed(self, map_id: str) -> OnState:
+        """Tells every browser of the map what its 3D view shows now: they share it."""
+
+        def publish(state: Scene) -> None:
+            self._hub.publish("scene", map_id, state.model_dump(by_alias=True))
 
         return publish
 

@@ -11,6 +11,8 @@ from server.schemas.base import Pair, Schema
 Colouring = Literal["memory", "session", "time", "weight"]
 #: The measured transform of the link, or the optimised poses.
 Overlay = Literal["link", "poses"]
+#: Where nodes stand: where they are now, where they were at the moment shown, or there as soon as that is worked out.
+Placing = Literal["now", "then", "soon"]
 
 
 class SceneLayers(Schema):
@@ -40,6 +42,14 @@ class Scene(Schema):
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
     at: int | None = None
     """The node of the update that is shown; null for the map as it is now."""
+    at_by: str | None = None
+    """Who put it there: what that browser calls itself."""
+    placing: Placing = "now"
+    """Of a moment: whether its poses are those of then."""
+    placing_note: str = ""
+    """Why there are none of then."""
+    revision: int = 0
+    """Grows with each change."""
 
 
 class LayerChange(Schema):
@@ -65,3 +75,5 @@ class SceneChange(Schema):
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
     overlay: Overlay | None = None
     at: Annotated[int, Field(ge=1)] | None = None
+    viewer: Annotated[str, Field(max_length=64)] | None = None
+    """What the browser that asks calls itself."""
