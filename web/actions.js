@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { patch, post } from "./api.js";
 import { remembered } from "./prefs.js";
-import { graphRevision, loadInfo, parameters, scene } from "./store.js";
+import { graphRevision, loadInfo, parameters, takeScene } from "./store.js";
 import { openMapId } from "./router.js";
 
 /** @typedef {import("./types/http").Schemas} Schemas */
@@ -60,7 +60,7 @@ export async function setScene(change) {
   const map = openMapId.value;
   if (!map) return;
   const answer = await told(patch("/api/scene/{map}", { path: { map }, body: change }));
-  if (answer && map === openMapId.value) scene.value = answer;
+  if (answer && map === openMapId.value) takeScene(answer);
 }
 
 /** @param {Record<string, boolean | number | string>} changes */

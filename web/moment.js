@@ -73,6 +73,7 @@ let ticking;
 
 function forget() {
   pause();
+  asked = undefined;
   timeline.value = null;
   timelineError.value = null;
   void load();
@@ -97,12 +98,42 @@ export async function load() {
   }
 }
 
-const send = latest((/** @type {number | null} */ at) => setScene({ at }));
+/** What this window calls itself: all that look at a map share its 3D view. */
+export const viewer = windowName();
 
-/** The 3D view follows. A refusal is told, and not tried again before something changes. */
+const send = latest((/** @type {number | null} */ at) => setScene({ at, viewer }));
+/** The moment that this window asked the 3D view for; undefined before it did. @type {number | null | undefined} */
+let asked;
+
+/**
+ * The 3D view follows this window, not the reverse: a moment that another one chose is told beside the view (`elsewhere`),
+ * and stays until somebody wants something else. A refusal is told, and not tried again before something changes.
+ */
 function show() {
-  const now = scene.value;
-  if (now && now.at !== moment.value) untracked(() => void send(moment.value));
+  const [now, at] = [scene.value, moment.value];
+  if (!now || asked === at) return;
+  const foreign = asked === undefined && at === null && now.at !== null && now.at_by !== viewer;
+  asked = at;
+  if (now.at !== at && !foreign) untracked(() => void send(at));
+}
+
+/** Whether the 3D view shows a moment that another window chose. */
+export const elsewhere = computed(() => scene.value !== null && scene.value.at !== moment.value && scene.value.at_by !== null && scene.value.at_by !== viewer);
+
+/** Bring the 3D view back to the moment of this window. */
+export const takeBack = () => void send(moment.value);
+
+/** A name that lasts as long as the window, over reloads too. */
+function windowName() {
+  try {
+    const known = sessionStorage.getItem("slamdeck.viewer");
+    if (known) return known;
+    const made = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+    sessionStorage.setItem("slamdeck.viewer", made);
+    return made;
+  } catch {
+    return String(Math.random()).slice(2); // storage is blocked: the name lasts until the next reload
+  }
 }
 
 /** Show the map after the update of a node, or as it is now. @param {number | null} at */

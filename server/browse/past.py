@@ -14,8 +14,8 @@ from slam.geometry import Pose
 from slam.graph.components import components
 from slam.types import OccupancyGrid
 
-#: How long a grid is put together while somebody scrubs, seconds.
-_SHARE_S = 0.02
+#: How long a grid is put together at a time while somebody scrubs, and for who stays, seconds.
+_SHARE_S, _PATIENT_S = 0.02, 0.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,16 +60,16 @@ class Past:
                 failure = str(error)
         grid, complete = None, True
         if with_grid:
-            grid, complete = self._grid(at, poses)
+            grid, complete = self._grid(at, poses, _PATIENT_S if patient else _SHARE_S)
         return Then(moment, poses, grid, complete and (poses is not None or failure is not None), failure)
 
-    def _grid(self, at: int, poses: Mapping[int, Pose] | None) -> tuple[OccupancyGrid | None, bool]:
+    def _grid(self, at: int, poses: Mapping[int, Pose] | None, seconds: float) -> tuple[OccupancyGrid | None, bool]:
         """Of the sessions that were one map with that of the robot."""
         turn, snapshot = self._poses.turn(at), self.timeline.snapshot
         order = self._order(turn, at)
         token = (snapshot.revision, order[0] if order else 0, len(order), None if poses is None else turn)
         shown = snapshot.poses if poses is None else poses
-        return self._grids.at(token, order, bisect_right(order, at), shown, _SHARE_S)
+        return self._grids.at(token, order, bisect_right(order, at), shown, seconds)
 
     def _order(self, turn: int, at: int) -> list[int]:
         """All nodes, ascending, of the sessions that loops up to a turning point joined with the one of ``at``."""

@@ -99,10 +99,11 @@ def grid_image(grid: OccupancyGrid, look: Theme, least_px: int = _SHARP_PX) -> N
     palette = np.zeros((3, 4), dtype=np.uint8)
     palette[1] = (*look.free, _FREE_ALPHA)
     palette[2] = (*look.occupied, _OCCUPIED_ALPHA)
-    kind = np.where(grid.cells < 0, 0, np.where(grid.cells < 50, 1, 2))
-    image = palette[kind[::-1]]
+    kind = (grid.cells[::-1] >= 0).astype(np.uint8) + (grid.cells[::-1] >= 50)
     factor = max(1, least_px // max(grid.cells.shape))
-    return np.ascontiguousarray(image.repeat(factor, axis=0).repeat(factor, axis=1))
+    # One number for each pixel: four times as fast as four.
+    image = palette.view(np.uint32)[kind, 0].repeat(factor, axis=0).repeat(factor, axis=1)
+    return np.ascontiguousarray(image).view(np.uint8).reshape(*image.shape, 4)
 
 
 def floor_height(positions: NDArray[np.float64], points: NDArray[np.float64]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections.abc import Callable
 
 from server.browse.map_view import MapView
@@ -47,7 +48,9 @@ class MapScene:
         self._on_state = on_state
         # The moment shown is drawn in full once nobody goes on from it.
         self._incomplete = self._patient = False
-        self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark)
+        # Later scenes of the same map go on from here, also those of the next server.
+        first = time.time_ns() // 1_000_000
+        self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark, revision=first)
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._stale = threading.Event()

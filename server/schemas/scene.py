@@ -49,7 +49,7 @@ class Scene(Schema):
     placing_note: str = ""
     """Why there are none of then."""
     revision: int = 0
-    """Grows with each change."""
+    """Grows with each change, and from one server to the next."""
 
 
 class LayerChange(Schema):

@@ -1,13 +1,13 @@
 // The 3D view: an iframe that stays while views come and go, layer chips above it, a legend below.
-import { useEffect } from "preact/hooks";
 import { h, html } from "../html.js";
 import { setScene } from "../actions.js";
 import { draft } from "../draft.js";
 import * as text from "../format.js";
-import { openMapId } from "../router.js";
+import { elsewhere, goTo, pause, takeBack } from "../moment.js";
+import { moment, openMapId } from "../router.js";
 import { info, scene } from "../store.js";
-import { theme } from "../theme.js";
-import { Chip } from "./button.js";
+import { Button, Chip } from "./button.js";
+import { Icon } from "./icons.js";
 import { Legend } from "./legend.js";
 import { SceneFrame } from "./scene_frame.js";
 
@@ -26,14 +26,24 @@ const COLOURS = ["memory", "session", "time", "weight"];
 
 export function SceneView() {
   const map = openMapId.value;
-  const other = scene.value && scene.value.dark !== (theme.value === "dark");
-  useEffect(() => void (other && setScene({ dark: theme.value === "dark" })), [map, other, theme.value]);
   if (!map) return null;
   return html`<section class="scene" aria-label="3D view">
     ${h(SceneFrame, { key: map, map })}
     <div class="scene-bar" role="toolbar" aria-label="Layers">${h(LayerChips, {})}</div>
-    ${h(Legend, {})}
+    ${elsewhere.value && h(Elsewhere, {})} ${h(Legend, {})}
   </section>`;
+}
+
+/** All windows that look at a map share its 3D view: says so where another one went through time. */
+function Elsewhere() {
+  const [there, here] = [scene.value?.at ?? null, moment.value];
+  const name = (/** @type {number | null} */ at) => (at === null ? "now" : `node ${at}`);
+  return html`<div class="scene-elsewhere" role="status">
+    ${h(Icon, { name: "info" })}
+    <span>Another window put this view to <b>${name(there)}</b>.</span>
+    ${h(Button, { label: here === null ? "Back to now" : `Back to node ${here}`, kind: "accent", onClick: takeBack })}
+    ${h(Button, { label: "Go there too", onClick: () => (pause(), goTo(there)) })}
+  </div>`;
 }
 
 /** Ghosts that somebody left, perhaps in another browser, can be put away. @param {import("../store.js").Schemas["Scene"] | null} now */

@@ -2028,6 +2028,11 @@ export interface components {
              */
             at?: number | null;
             /**
+             * At By
+             * @description Who put it there: what that browser calls itself.
+             */
+            at_by?: string | null;
+            /**
              * Colour
              * @enum {string}
              */
@@ -2043,6 +2048,25 @@ export interface components {
              * @description The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds.
              */
             overlay?: ("link" | "poses") | null;
+            /**
+             * Placing
+             * @description Of a moment: whether its poses are those of then.
+             * @default now
+             * @enum {string}
+             */
+            placing: "now" | "then" | "soon";
+            /**
+             * Placing Note
+             * @description Why there are none of then.
+             * @default
+             */
+            placing_note: string;
+            /**
+             * Revision
+             * @description Grows with each change.
+             * @default 0
+             */
+            revision: number;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */
@@ -2071,6 +2095,11 @@ export interface components {
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /**
+             * Viewer
+             * @description What the browser that asks calls itself.
+             */
+            viewer?: string | null;
             /** What If */
             what_if?: number | null;
         };
