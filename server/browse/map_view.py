@@ -12,6 +12,8 @@ from server.browse.beliefs import BeliefLog
 from server.browse.grid_then import GridThen
 from server.browse.increments import Increments
 from server.browse.moves import Move, moves_of_states
+from server.browse.node_values import NodeNumbers
+from server.browse.optimising import Optimisations
 from server.browse.past import Past
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
@@ -35,6 +37,8 @@ class MapView:
         statistics: of its updates.
         trials: what the images say of loops that were never tried.
         what_ifs: what another ``Rtabmap/LoopThr`` would mean.
+        optimisations: of its graph, looked at and not stored.
+        node_numbers: what nodes can be coloured by.
     """
 
     def __init__(self, file: MapFile) -> None:
@@ -44,6 +48,8 @@ class MapView:
         self.statistics = StatisticsLog(self.reader)
         self.trials = LoopTrials(self.reader)
         self.what_ifs = WhatIfs(self)
+        self.optimisations = Optimisations()
+        self.node_numbers = NodeNumbers(self)
         self._tiers = TierLog(self.reader)
         self._beliefs = BeliefLog(self.reader)
         self._lock = threading.Lock()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from server.browse.past import Then
 from server.browse.snapshot import Pair, Snapshot
-from server.browse.timeline import Moment
 from server.scene.clouds import CloudLayer
 from server.scene.colours import Theme, theme
 from server.scene.floor import FloorLayer, floor_height
@@ -28,6 +27,8 @@ from server.scene.nodes import NodeLayer
 from server.scene.overlay import OverlayLayer
 from server.scene.paths import PathLayer
 from server.scene.placed import PlacedGraph
+from server.scene.shown import Shown
+from server.scene.trial import TrialLayer
 from server.scene.viewer import Viewer
 from server.schemas import LoopWhatIf
 from server.schemas.scene import Scene
@@ -50,14 +51,22 @@ class Picture:
 
     snapshot: Snapshot
     graph: PlacedGraph
-    state: Scene
-    ghosts: LoopWhatIf | None = None
-    then: Then | None = None
+    wanted: Shown
 
     @property
-    def moment(self) -> Moment | None:
-        """Which one is shown; None for now."""
-        return None if self.then is None else self.then.moment
+    def state(self) -> Scene:
+        """Layers, colours and selection."""
+        return self.wanted.state
+
+    @property
+    def then(self) -> Then | None:
+        """The moment that is shown; None for now."""
+        return self.wanted.then
+
+    @property
+    def ghosts(self) -> LoopWhatIf | None:
+        """What another threshold would mean for the map of now."""
+        return self.wanted.ghosts if self.then is None else None
 
     @property
     def look(self) -> Theme:
@@ -66,8 +75,28 @@ class Picture:
 
     @cached_property
     def shown(self) -> PlacedGraph:
-        """The part of the graph that was there."""
-        return self.graph if self.then is None else self.graph.then(self.then.moment, self.then.poses)
+        """The part of the graph that was there, of the sessions that are not hidden."""
+        graph = self.graph if self.then is None else self.graph.then(self.then.moment, self.then.poses)
+        return graph.without_sessions(self.state.hidden_sessions) if self.state.hidden_sessions else graph
+
+    @cached_property
+    def placed(self) -> PlacedGraph:
+        """All nodes where they are shown: those of then where they were, and out of sight those that came later."""
+        if self.then is None or self.then.poses is None:
+            return self.graph
+        then = self.graph.then(self.then.moment, self.then.poses)
+        T_map = self.graph.T_map.copy()
+        T_map[: len(then)] = then.T_map
+        return replace(self.graph, T_map=T_map)
+
+    @property
+    def landmarks(self) -> Mapping[int, Pose]:
+        """Those that a node which is shown has seen."""
+        poses = {i: T for i, T in self.snapshot.poses.items() if i < 0}
+        if not poses or self.shown is self.graph:
+            return poses
+        seen = {link.to_id for link in self.snapshot.constraints if link.from_id in self.shown.rows}
+        return {i: T for i, T in poses.items() if i in seen}
 
     @property
     def until(self) -> int | None:
@@ -75,15 +104,6 @@ class Picture:
         return None if self.then is None else self.then.moment.at
 
     @cached_property
-    def clouded(self) -> PlacedGraph:
-        """The whole graph as its clouds lie: those of then, and out of sight those that came later."""
-        if self.then is None or self.then.poses is None:
-            return self.graph
-        T_map = self.graph.T_map.copy()
-        T_map[: len(self.shown)] = self.shown.T_map
-        return replace(self.graph, T_map=T_map)
-
-    @property
     def measure(self) -> Measure:
         """Its sizes."""
         return Measure.of(self.graph.positions)
@@ -106,6 +126,7 @@ class Painter:
         self._landmarks = LandmarkLayer(scene)
         self._model = ModelLayer(scene)
         self._ghosts = GhostLayer(scene)
+        self._trial = TrialLayer(scene)
         self._overlay = OverlayLayer(scene)
         self._highlight = Highlight(scene)
         self._framing: Framing | None = None
@@ -120,16 +141,15 @@ class Painter:
         """Close the port."""
         self._viewer.stop()
 
-    def draw(
-        self, snapshot: Snapshot, state: Scene, ghosts: LoopWhatIf | None = None, then: Then | None = None
-    ) -> None:
-        """Show the map as it is now, with ghosts of what it would be, or as it was at a moment.
+    def draw(self, snapshot: Snapshot, wanted: Shown) -> None:
+        """Show the map as it is now, with what it could be beside it, or as it was at a moment.
 
         Missing clouds come with ``load_some``.
         """
-        before = self._shown
+        before, state = self._shown, wanted.state
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
-        picture = Picture(snapshot, graph, state, ghosts if then is None else None, then)
+        picture = Picture(snapshot, graph, wanted)
+        shown = None if picture.shown is graph else picture.shown.rows
         with_images = snapshot.pictured if state.layers.cloud else frozenset()
         with_scans = snapshot.scanned if state.layers.cloud else frozenset()
         with self._viewer.atomic():
@@ -137,7 +157,7 @@ class Painter:
                 self._viewer.show_theme(picture.look, dark=state.dark)
             overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
             visible = state.layers.cloud and not overlaid
-            self._clouds.draw(picture.clouded, with_images, with_scans, visible=visible, until=picture.until)
+            self._clouds.draw(picture.placed, with_images, with_scans, visible=visible, shown=shown)
             self._draw_graph(picture)
             self._highlight.draw(snapshot, picture.shown, *_selection(state), picture.measure, picture.look)
             self._model.draw(snapshot.reader, snapshot.revision, visible=state.layers.model)
@@ -167,18 +187,21 @@ class Painter:
         return more
 
     def _draw_graph(self, picture: Picture) -> None:
-        graph, moment = picture.shown, picture.moment
+        graph, moment = picture.shown, None if picture.then is None else picture.then.moment
+        hidden, values = picture.state.hidden_links, picture.wanted.values
         look, layers, measure = picture.look, picture.state.layers, picture.measure
         T_map_base = None if moment is None else moment.T_map_base
-        self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph)
+        self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph, values=values)
         going = pairs_of(picture.ghosts, Outcome.GOES)
-        self._links.draw(graph.without(going), measure.node, look, visible=layers.graph)
+        self._links.draw(graph.without(going), measure.node, look, visible=layers.graph, hidden=hidden)
         self._ghosts.draw(graph, picture.ghosts, measure, look, visible=layers.graph)
+        self._trial.draw(graph, picture.wanted.trial, measure.dash, look, visible=layers.graph)
         self._paths.draw(
-            picture.clouded, measure.dash, look, odometry=layers.odometry, truth=layers.truth, until=picture.until
+            picture.placed, measure.dash, look, odometry=layers.odometry, truth=layers.truth, until=picture.until
         )
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
-        self._landmarks.draw(picture.snapshot.poses, measure.frustum, visible=layers.graph)
+        landmarks = layers.graph and "landmark" not in hidden
+        self._landmarks.draw(picture.landmarks, measure.frustum, visible=landmarks)
         self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph, T_map_base=T_map_base)
         self._hypothesis.draw(graph, moment, measure.node, look, visible=layers.graph)
 

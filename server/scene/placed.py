@@ -26,6 +26,7 @@ class LinkKind(Enum):
     NEIGHBOR = "neighbor"
     LOOP = "loop"
     PROXIMITY = "proximity"
+    TIME = "time"
     USER = "user"
     VIRTUAL = "virtual"
     REFUSED = "refused"
@@ -36,12 +37,12 @@ _KINDS = {
     LinkType.NEIGHBOR_MERGED: LinkKind.NEIGHBOR,
     LinkType.GLOBAL_CLOSURE: LinkKind.LOOP,
     LinkType.LOCAL_SPACE_CLOSURE: LinkKind.PROXIMITY,
-    LinkType.LOCAL_TIME_CLOSURE: LinkKind.PROXIMITY,
+    LinkType.LOCAL_TIME_CLOSURE: LinkKind.TIME,
     LinkType.USER_CLOSURE: LinkKind.USER,
     LinkType.VIRTUAL_CLOSURE: LinkKind.VIRTUAL,
 }
 #: Those that are no part of the path.
-LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.USER, LinkKind.REFUSED)
+LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.TIME, LinkKind.USER, LinkKind.REFUSED)
 
 #: Of more refused loops than this only the newest are shown.
 _MOST_REFUSED = 300
@@ -111,6 +112,25 @@ class PlacedGraph:
             for kind, rows in self.links.items()
         }
         return replace(self, links=kept)
+
+    def without_sessions(self, sessions: Collection[int]) -> PlacedGraph:
+        """The same without the nodes of some sessions and their links."""
+        kept = ~np.isin(self.map_ids, list(sessions))
+        if kept.all():
+            return self
+        place = np.cumsum(kept) - 1
+        ids = self.ids[kept]
+        return PlacedGraph(
+            ids=ids,
+            T_map=self.T_map[kept],
+            T_odom=self.T_odom[kept],
+            T_world=self.T_world[kept],
+            map_ids=self.map_ids[kept],
+            weights=self.weights[kept],
+            tiers=self.tiers[kept],
+            links={kind: place[rows[kept[rows].all(axis=1)]] for kind, rows in self.links.items()},
+            rows={node_id: row for row, node_id in enumerate(ids.tolist())},
+        )
 
     def then(self, moment: Moment, poses: Mapping[int, Pose] | None = None) -> PlacedGraph:
         """What of it was there at a moment, with the tiers and loops of then, at the poses of then or else of now."""

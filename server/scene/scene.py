@@ -5,11 +5,13 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from server.browse.map_view import MapView
 from server.browse.past import Then
 from server.browse.snapshot import Pair
+from server.scene.colours import NAMED
+from server.scene.shown import Shown, Trial
 from server.schemas.scene import Placing, Scene, SceneChange, SceneLayers
 from slam.errors import SlamError
 from slam.geometry import Pose
@@ -91,6 +93,12 @@ class MapScene:
                 state.what_if = change.what_if
             if "overlay" in named:
                 state.overlay = change.overlay
+            if "trial" in named:
+                state.trial = change.trial
+            if change.hidden_links is not None:
+                state.hidden_links = change.hidden_links
+            if change.hidden_sessions is not None:
+                state.hidden_sessions = change.hidden_sessions
             if "at" in named:
                 state.at, state.at_by = change.at, change.viewer
                 state.placing, state.placing_note = ("now", "") if change.at is None else (state.placing, "")
@@ -150,6 +158,17 @@ class MapScene:
             self._tell()
         return drawn
 
+    def _trial(self, state: Scene) -> Trial | None:
+        """The path of the step that somebody looks at."""
+        if state.trial is None or state.at is not None:
+            return None
+        course = self.view.optimisations.course(self.view.snapshot(), state.trial.ask)
+        return Trial(course.ids, course.paths[min(state.trial.step, len(course.paths) - 1)])
+
+    def _values(self, state: Scene) -> Mapping[int, float] | None:
+        """What nodes are coloured by, where that is a number of each."""
+        return None if state.colour in NAMED else self.view.node_numbers.of(state.colour)
+
     def _draw(self) -> None:
         pose, self._pose = self._pose, None
         if self._stale.is_set():
@@ -157,7 +176,8 @@ class MapScene:
             state = self.state()
             ghosts = None if state.what_if is None else self.view.what_ifs.at(state.what_if, with_graph=True)
             then = self._then(state)
-            self._painter.draw(self.view.snapshot(), self._placed(state, then), ghosts, then)
+            shown = Shown(self._placed(state, then), ghosts, then, self._trial(state), self._values(state))
+            self._painter.draw(self.view.snapshot(), shown)
         if pose is not None and self._state.at is None:
             self._painter.move(pose)
 

@@ -23,7 +23,7 @@ from server.schemas.edits import (
     RefineOptions,
     StartJob,
 )
-from server.schemas.graph import Graph, LinkColumns, NodeColumns
+from server.schemas.graph import Graph, LinkColumns, NodeColumns, NodeValues, ValueNames
 from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRival, LoopRow, Loops, LoopWeights
 from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
 from server.schemas.nodes import (
@@ -41,16 +41,21 @@ from server.schemas.nodes import (
     UserData,
     Vector,
 )
+from server.schemas.optimising import GraphState, OptimiseAsk, Optimised, ShownTrial
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
+from server.schemas.pieces import BestGuess, Component, Components, NearMiss
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics, TimelineEvent, TimelineUpdates
 from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
+    "BestGuess",
     "CameraModel",
     "CloudFacts",
     "Colouring",
+    "Component",
+    "Components",
     "Decision",
     "DecisionAction",
     "DecisionEffect",
@@ -61,6 +66,7 @@ __all__ = [
     "ErrorDetail",
     "GpsFix",
     "Graph",
+    "GraphState",
     "GridFacts",
     "Hypothesis",
     "IcpFacts",
@@ -87,6 +93,7 @@ __all__ = [
     "MapInfo",
     "MapSummary",
     "Maps",
+    "NearMiss",
     "NodeColumns",
     "NodeDetail",
     "NodeDrop",
@@ -96,6 +103,9 @@ __all__ = [
     "NodePage",
     "NodeRow",
     "NodeSensors",
+    "NodeValues",
+    "OptimiseAsk",
+    "Optimised",
     "Parameter",
     "ParameterChanges",
     "ParameterChoice",
@@ -114,6 +124,7 @@ __all__ = [
     "Session",
     "SessionCommand",
     "SessionFacts",
+    "ShownTrial",
     "Size",
     "StartJob",
     "StartRun",
@@ -122,6 +133,7 @@ __all__ = [
     "TimelineEvent",
     "TimelineUpdates",
     "UserData",
+    "ValueNames",
     "Vector",
     "WhatIfGraph",
     "WhatIfLoop",

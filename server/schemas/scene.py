@@ -7,12 +7,16 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from server.schemas.base import Pair, Schema
+from server.schemas.optimising import ShownTrial
 
-Colouring = Literal["memory", "session", "time", "weight"]
+#: ``memory``, ``session``, ``time``, ``weight``, or one of GET /api/maps/{map}/node-values.
+Colouring = Annotated[str, Field(max_length=200)]
 #: The measured transform of the link, or the optimised poses.
 Overlay = Literal["link", "poses"]
 #: Where nodes stand: where they are now, where they were at the moment shown, or there as soon as that is worked out.
 Placing = Literal["now", "then", "soon"]
+#: Links that are drawn alike; refused loops are links that never were.
+LinkClass = Literal["neighbor", "loop", "proximity", "time", "user", "virtual", "refused", "landmark"]
 
 
 class SceneLayers(Schema):
@@ -44,6 +48,10 @@ class Scene(Schema):
     """The node of the update that is shown; null for the map as it is now."""
     at_by: str | None = None
     """Who put it there: what that browser calls itself."""
+    hidden_links: list[LinkClass] = Field(default_factory=list)
+    hidden_sessions: list[int] = Field(default_factory=list)
+    trial: ShownTrial | None = None
+    """An optimisation whose path is shown dashed beside the map's."""
     placing: Placing = "now"
     """Of a moment: whether its poses are those of then."""
     placing_note: str = ""
@@ -75,5 +83,8 @@ class SceneChange(Schema):
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
     overlay: Overlay | None = None
     at: Annotated[int, Field(ge=1)] | None = None
+    hidden_links: list[LinkClass] | None = None
+    hidden_sessions: Annotated[list[int], Field(max_length=10_000)] | None = None
+    trial: ShownTrial | None = None
     viewer: Annotated[str, Field(max_length=64)] | None = None
     """What the browser that asks calls itself."""
