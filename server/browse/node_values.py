@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from server.browse.snapshot import Snapshot
 
 LOOPS, RESIDUAL, ALTITUDE = "loops", "residual", "altitude"
-_UNITS = {LOOPS: "", RESIDUAL: "sigma", ALTITUDE: "m"}
+_UNITS = {LOOPS: "", RESIDUAL: "σ", ALTITUDE: "m"}
 _SENSOR, _STATISTIC = "sensor:", "stat:"
 #: Nodes, spread over the map, that tell which sensors there are.
 _ASKED = 24

@@ -39,6 +39,7 @@ class Theme:
     neighbor: Rgb
     loop: Rgb
     proximity: Rgb
+    in_time: Rgb
     user: Rgb
     coming: Rgb
     overlay_from: Rgb
@@ -63,6 +64,7 @@ DARK = Theme(
     neighbor=(128, 142, 166),
     loop=(255, 82, 133),
     proximity=(255, 150, 190),
+    in_time=(255, 190, 150),
     user=(177, 140, 255),
     coming=(94, 234, 212),
     overlay_from=(255, 150, 60),
@@ -86,6 +88,7 @@ LIGHT = Theme(
     neighbor=(112, 124, 146),
     loop=(214, 30, 96),
     proximity=(236, 110, 160),
+    in_time=(226, 120, 90),
     user=(120, 80, 220),
     coming=(0, 138, 128),
     overlay_from=(224, 96, 0),

@@ -82,7 +82,7 @@ def colour(kind: LinkKind, look: Theme) -> Rgb:
         LinkKind.NEIGHBOR: look.neighbor,
         LinkKind.LOOP: look.loop,
         LinkKind.PROXIMITY: look.proximity,
-        LinkKind.TIME: look.proximity,
+        LinkKind.TIME: look.in_time,
         LinkKind.USER: look.user,
         LinkKind.VIRTUAL: look.virtual,
         LinkKind.REFUSED: look.refused,

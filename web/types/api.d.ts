@@ -44,6 +44,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/components": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Components
+         * @description What links join, and what was refused between it and the rest.
+         */
+        get: operations["list_components"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/decisions": {
         parameters: {
             query?: never;
@@ -288,6 +308,46 @@ export interface paths {
          * @description Every loop that is in the graph, was refused, or was decided about.
          */
         get: operations["list_loops"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/node-values": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Value Names
+         * @description What nodes can be coloured by.
+         */
+        get: operations["list_value_names"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/node-values/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Values
+         * @description One of them: its range, and the value of each node.
+         */
+        get: operations["get_node_values"];
         put?: never;
         post?: never;
         delete?: never;
@@ -580,6 +640,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/what-if/optimise": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Optimise Graph
+         * @description Optimise the graph otherwise; nothing is stored.
+         */
+        post: operations["optimise_graph"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/scene/{map}": {
         parameters: {
             query?: never;
@@ -653,6 +733,23 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * BestGuess
+         * @description The strongest hypothesis that a node of one component was a place of another one.
+         */
+        BestGuess: {
+            /** Node */
+            node: number;
+            /** Place */
+            place: number;
+            /**
+             * Threshold
+             * @description ``Rtabmap/LoopThr``: below it nothing is tried.
+             */
+            threshold: number;
+            /** Value */
+            value: number;
+        };
+        /**
          * CameraModel
          * @description A rectified pinhole camera, in pixels.
          */
@@ -689,6 +786,48 @@ export interface components {
              * @description Distance of the farthest point from the base.
              */
             range_m: number;
+        };
+        /**
+         * Component
+         * @description Nodes that links or landmarks join.
+         */
+        Component: {
+            /** @description Where nothing was tried: what came nearest to it. */
+            guess: components["schemas"]["BestGuess"] | null;
+            /**
+             * Id
+             * @description Its oldest node.
+             */
+            id: number;
+            /**
+             * Near Misses
+             * @description The best of them.
+             */
+            near_misses: components["schemas"]["NearMiss"][];
+            /** Newest */
+            newest: number;
+            /** Nodes */
+            nodes: number;
+            /** Sessions */
+            sessions: number[];
+            /**
+             * Tried
+             * @description Loops with other components that were looked at and refused.
+             */
+            tried: number;
+        };
+        /**
+         * Components
+         * @description The components of a map, the largest first.
+         */
+        Components: {
+            /** Components */
+            components: components["schemas"]["Component"][];
+            /**
+             * Count
+             * @description Of all; no more than a hundred are listed.
+             */
+            count: number;
         };
         /**
          * Decision
@@ -925,6 +1064,21 @@ export interface components {
             nodes: components["schemas"]["NodeColumns"];
             /** Revision */
             revision: number;
+        };
+        /**
+         * GraphState
+         * @description A graph at some poses.
+         */
+        GraphState: {
+            /** Ate M */
+            ate_m: number | null;
+            /** Chi2 */
+            chi2: number;
+            /**
+             * Path M
+             * @description Length of the path through the nodes, metres.
+             */
+            path_m: number;
         };
         /**
          * GridFacts
@@ -1645,6 +1799,30 @@ export interface components {
             maps: components["schemas"]["MapSummary"][];
         };
         /**
+         * NearMiss
+         * @description A loop that would have joined two components, and why it did not.
+         */
+        NearMiss: {
+            /**
+             * Component
+             * @description The other one.
+             */
+            component: number;
+            /** From */
+            from: number;
+            /** Inliers */
+            inliers: number | null;
+            /** Matches */
+            matches: number | null;
+            /** Posterior */
+            posterior: number | null;
+            reason: components["schemas"]["LoopReason"] | null;
+            /** To */
+            to: number;
+            /** Type */
+            type: string;
+        };
+        /**
          * NodeColumns
          * @description Nodes; entry i of each list is the same node.
          */
@@ -1865,6 +2043,111 @@ export interface components {
             velocity: number[] | null;
         };
         /**
+         * NodeValues
+         * @description One number for each node, as a scale of colours.
+         */
+        NodeValues: {
+            /**
+             * High
+             * @description The 2nd and the 98th percentile: the ends of the scale.
+             */
+            high: number;
+            /**
+             * Known
+             * @description Nodes that have one; the others are grey.
+             */
+            known: number;
+            /** Low */
+            low: number;
+            /** Name */
+            name: string;
+            /** Unit */
+            unit: string;
+        };
+        /**
+         * OptimiseAsk
+         * @description How to optimise the graph.
+         */
+        OptimiseAsk: {
+            /**
+             * Align
+             * @description Lay the result over the true path.
+             * @default false
+             */
+            align: boolean;
+            /**
+             * Kernel
+             * @description Instead of ``Optimizer/Robust`` and its kernel.
+             */
+            kernel?: ("none" | "DCS" | "Cauchy" | "GNC") | null;
+            /**
+             * Root
+             * @description The node held fixed; null for the one that the parameters choose.
+             */
+            root?: number | null;
+            /**
+             * Solver
+             * @description Instead of ``GTSAM/Optimizer``: Levenberg-Marquardt, Gauss-Newton, Dogleg.
+             */
+            solver?: number | null;
+            /**
+             * Start
+             * @description Where it begins: poses put together along the links from the root, or those of the map.
+             * @default odometry
+             * @enum {string}
+             */
+            start: "odometry" | "map";
+            /**
+             * Without
+             * @description Types of links that do not count, ``GlobalClosure`` or ``Landmark`` say.
+             */
+            without?: string[];
+        };
+        /**
+         * Optimised
+         * @description What came of it.
+         */
+        Optimised: {
+            /**
+             * Dropped
+             * @description Nodes that nothing joins with the root then.
+             */
+            dropped: number;
+            /**
+             * Fallback
+             * @description Whether the solver asked for found no way and another one did.
+             */
+            fallback: boolean;
+            /**
+             * Links
+             * @description That counted, with priors, gravity and sightings.
+             */
+            links: number;
+            /**
+             * Max Shift M
+             * @description From the map's poses to the last step's.
+             */
+            max_shift_m: number;
+            /** Nodes */
+            nodes: number;
+            /** @description The same links at the poses of the map. */
+            now: components["schemas"]["GraphState"];
+            /**
+             * Outliers
+             * @description Loops that the kernel took the weight from.
+             */
+            outliers: number[][];
+            /** Root */
+            root: number;
+            /** Seconds */
+            seconds: number;
+            /**
+             * Steps
+             * @description The start and each iteration; those of GNC are start and end.
+             */
+            steps: components["schemas"]["GraphState"][];
+        };
+        /**
          * Outcome
          * @description What would become of a hypothesis.
          * @enum {string}
@@ -2032,16 +2315,17 @@ export interface components {
              * @description Who put it there: what that browser calls itself.
              */
             at_by?: string | null;
-            /**
-             * Colour
-             * @enum {string}
-             */
-            colour: "memory" | "session" | "time" | "weight";
+            /** Colour */
+            colour: string;
             /**
              * Dark
              * @default true
              */
             dark: boolean;
+            /** Hidden Links */
+            hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[];
+            /** Hidden Sessions */
+            hidden_sessions?: number[];
             layers: components["schemas"]["SceneLayers"];
             /**
              * Overlay
@@ -2063,7 +2347,7 @@ export interface components {
             placing_note: string;
             /**
              * Revision
-             * @description Grows with each change.
+             * @description Grows with each change, and from one server to the next.
              * @default 0
              */
             revision: number;
@@ -2071,6 +2355,8 @@ export interface components {
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /** @description An optimisation whose path is shown dashed beside the map's. */
+            trial?: components["schemas"]["ShownTrial"] | null;
             /**
              * What If
              * @description The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts.
@@ -2085,9 +2371,13 @@ export interface components {
             /** At */
             at?: number | null;
             /** Colour */
-            colour?: ("memory" | "session" | "time" | "weight") | null;
+            colour?: string | null;
             /** Dark */
             dark?: boolean | null;
+            /** Hidden Links */
+            hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[] | null;
+            /** Hidden Sessions */
+            hidden_sessions?: number[] | null;
             layers?: components["schemas"]["LayerChange"] | null;
             /** Overlay */
             overlay?: ("link" | "poses") | null;
@@ -2095,6 +2385,7 @@ export interface components {
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            trial?: components["schemas"]["ShownTrial"] | null;
             /**
              * Viewer
              * @description What the browser that asks calls itself.
@@ -2217,6 +2508,15 @@ export interface components {
             nodes: number;
             /** Source */
             source: string;
+        };
+        /**
+         * ShownTrial
+         * @description An optimisation whose path is shown beside the map's.
+         */
+        ShownTrial: {
+            ask: components["schemas"]["OptimiseAsk"];
+            /** Step */
+            step: number;
         };
         /**
          * Size
@@ -2367,6 +2667,17 @@ export interface components {
             text: string | null;
             /** Type */
             type: string;
+        };
+        /**
+         * ValueNames
+         * @description What nodes can be coloured by beside memory, session, time and weight.
+         */
+        ValueNames: {
+            /**
+             * Names
+             * @description ``loops``, ``residual``, ``altitude``, ``sensor:NAME``, ``stat:NAME``.
+             */
+            names: string[];
         };
         /**
          * Vector
@@ -2523,6 +2834,74 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["MapInfo"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_components: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Components"];
                 };
             };
             /** @description No token. */
@@ -3617,6 +3996,143 @@ export interface operations {
             };
         };
     };
+    list_value_names: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ValueNames"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_values: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodeValues"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     list_nodes: {
         parameters: {
             query?: {
@@ -4629,6 +5145,78 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LoopWhatIf"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    optimise_graph: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["OptimiseAsk"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Optimised"];
                 };
             };
             /** @description No token. */
