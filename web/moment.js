@@ -112,9 +112,11 @@ let asked;
 function show() {
   const [now, at] = [scene.value, moment.value];
   if (!now || asked === at) return;
-  const foreign = asked === undefined && at === null && now.at !== null && now.at_by !== viewer;
+  const first = asked === undefined;
+  const foreign = at === null && now.at_by !== viewer;
   asked = at;
-  if (now.at !== at && !foreign) untracked(() => void send(at));
+  // Later the answer to the question before may still be on its way: what the view shows now tells nothing.
+  if (!first || (now.at !== at && !foreign)) untracked(() => void send(at));
 }
 
 /** Whether the 3D view shows a moment that another window chose. */

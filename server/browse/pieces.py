@@ -82,6 +82,7 @@ def _near_miss(row: CandidateRow, piece_of: dict[int, int], piece: int) -> NearM
         matches=evidence(candidate.matches),
         inliers=evidence(candidate.inliers),
         reason=reason(candidate.refusal),
+        removed=candidate.refusal is None,
     )
 
 

@@ -30,8 +30,8 @@ class PosesThen:
 
     A map file has the optimised poses of its end alone. Between two turning points (updates in which a loop came or
     went, or a session began) nodes only came to the end of the path, so that one optimisation serves all updates up to
-    the next; it begins at the poses of now, whatever was asked for before. A session that no loop joined yet lies where
-    its newest node was thought to be then, as far as the file says so.
+    the next; it begins at the poses of now, whatever was asked for before. A session that no loop joined yet, and a map
+    whose root gravity or priors may turn, lie where their newest node was thought to be then, if the file says so.
     """
 
     def __init__(self, timeline: Timeline) -> None:
@@ -81,9 +81,16 @@ class PosesThen:
             if len(piece) > 1:
                 root = choose_root(graph, self._timeline.snapshot.params, max(piece))
                 solved = optimize(graph, self._timeline.snapshot.params, root=root).poses
-            T = self._anchor(solved, piece) if min(piece) != min(graph.poses) else None
+            held = min(piece) == min(graph.poses) and not self._is_free(graph)
+            T = None if held else self._anchor(solved, piece)
             found |= {i: solved[i] if T is None else T @ solved[i] for i in piece}
         return found
+
+    def _is_free(self, graph: PoseGraph) -> bool:
+        """Whether the root itself may have turned since: gravity and priors hold the map, not the root."""
+        optimizer, kinds = self._timeline.snapshot.params.Optimizer, {kind for _, _, kind in graph.constraints}
+        gravity = LinkType.GRAVITY in kinds and optimizer.GravitySigma > 0
+        return gravity or (LinkType.POSE_PRIOR in kinds and not optimizer.PriorsIgnored)
 
     def _anchor(self, solved: Mapping[int, Pose], piece: Iterable[int]) -> Pose | None:
         """What takes a session of its own to where its newest node was thought to be; None where nobody wrote that."""

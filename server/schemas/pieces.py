@@ -20,6 +20,8 @@ class NearMiss(Schema):
     matches: int | None
     inliers: int | None
     reason: LoopReason | None
+    removed: bool
+    """It was in the graph once and was taken out."""
 
 
 class BestGuess(Schema):

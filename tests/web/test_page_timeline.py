@@ -19,6 +19,15 @@ def shown(page: Page) -> int:
     return int(found[1])
 
 
+def another_window(page: Page, at: int) -> None:
+    """Somebody else goes through the time of the same map."""
+    page.evaluate(
+        """(at) => fetch('api/scene/flat', {method: 'PATCH', headers: {'Content-Type': 'application/json'},
+           body: JSON.stringify({at, viewer: 'another'})})""",
+        at,
+    )
+
+
 def test_the_past_is_walked_through_and_its_link_reopens_it(library: Served, open_page: OpenPage) -> None:
     page = open_page(library, "#/map/flat/nodes")
     slider = page.get_by_role("slider", name="Update that is shown")
@@ -35,6 +44,12 @@ def test_the_past_is_walked_through_and_its_link_reopens_it(library: Served, ope
     at = shown(page)
     expect(page).to_have_url(re.compile(rf"/nodes\?at={at}$"))
     until(page, _SCENE, at)
+    expect(page.locator(".timeline-shown")).to_contain_text("poses of then")
+    another_window(page, 1)
+    expect(page.locator(".scene-elsewhere")).to_contain_text("Another window put this view to node 1.")
+    page.get_by_role("button", name=f"Back to node {at}").click()
+    until(page, _SCENE, at)
+    expect(page.locator(".scene-elsewhere")).to_have_count(0)
     page.keyboard.press("Escape")
     page.get_by_role("link", name="Stats").click()
     expect(page).to_have_url(re.compile(rf"/stats\?at={at}$"))
@@ -57,3 +72,20 @@ def test_it_plays_to_now(library: Served, open_page: OpenPage) -> None:
     expect(page.get_by_role("button", name="Pause (P)")).to_be_visible()
     expect(page.locator(".timeline-shown")).to_contain_text("now")
     expect(page.get_by_role("button", name="Play (P)")).to_be_visible()
+
+
+def test_the_graph_is_optimised_on_trial_and_its_links_hide(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/graph")
+    page.get_by_label("Count Global loop links").uncheck()
+    page.get_by_role("button", name="Optimise", exact=True).click()
+    expect(page.get_by_role("table", name="Before and after")).to_contain_text("χ²")
+    scene = "async () => (await (await fetch('api/scene/flat')).json())"
+    until(page, f"async () => (await ({scene})()).trial?.ask.without[0] === 'GlobalClosure'")
+    page.get_by_label("Show Global loop links").uncheck()
+    until(page, f"async () => (await ({scene})()).hidden_links[0] === 'loop'")
+    page.get_by_label("Show Global loop links").check()
+    page.get_by_role("button", name="Clear").click()
+    until(
+        page, f"async () => {{ const now = await ({scene})(); return now.trial === null && !now.hidden_links.length }}"
+    )
+    expect(page.get_by_role("region", name="Components")).to_contain_text("hang together")

@@ -27,11 +27,11 @@ export function Pieces({ map }) {
 function Piece({ piece }) {
   const range = piece.id === piece.newest ? html`${nodeLink(piece.id)}` : html`${nodeLink(piece.id)} … ${nodeLink(piece.newest)}`;
   return html`<p class="piece-head"><b>${text.plural(piece.nodes, "node")}</b> <span class="quiet">${range} · ${piece.sessions.length === 1 ? "session" : "sessions"} ${piece.sessions.join(", ")}</span></p>
-    ${piece.tried > 0 && html`<p class="small">${text.plural(piece.tried, "loop")} with other components refused; the best:</p>`}
+    ${piece.tried > 0 && html`<p class="small">${text.plural(piece.tried, "loop")} with other components refused or taken out; the best:</p>`}
     <ul class="small">
       ${piece.near_misses.map(
-        ({ from, to, reason, inliers, matches }) => html`<li key=${`${from}-${to}`}>
-          <a href=${link({ view: "loops", key: `${from}-${to}` })}>${from} → ${to}</a> ${reason?.text ?? "the file does not say why"}
+        ({ from, to, reason, inliers, matches, removed }) => html`<li key=${`${from}-${to}`}>
+          <a href=${link({ view: "loops", key: `${from}-${to}` })}>${from} → ${to}</a> ${removed ? "was in the graph and was taken out" : (reason?.text ?? "the file does not say why")}
           ${!reason && inliers !== null && html`<span class="quiet">${inliers} of ${text.whole(matches)} matches</span>`}
         </li>`,
       )}

@@ -1817,6 +1817,11 @@ export interface components {
             /** Posterior */
             posterior: number | null;
             reason: components["schemas"]["LoopReason"] | null;
+            /**
+             * Removed
+             * @description It was in the graph once and was taken out.
+             */
+            removed: boolean;
             /** To */
             to: number;
             /** Type */
