@@ -22,7 +22,7 @@ def shown(page: Page) -> int:
 
 
 def test_the_past_is_walked_through_and_its_link_reopens_it(library: Served, open_page: OpenPage) -> None:
-    page = open_page(library, "#/map/flat/nodes")
+    page = open_page(library, "#/map/flat/nodes", in_3d=True)
     slider = page.get_by_role("slider", name="Update that is shown")
     expect(slider).to_be_enabled()
     page.keyboard.press("ArrowLeft")

@@ -26,22 +26,40 @@ export function PriorEdit({ id }) {
   </details>`;
 }
 
+/** @typedef {{prior: {transform: number[] | null, sigmas: number[] | null} | null, known: boolean}} Wanted prior: null to remove it */
+
 /** @param {{id: number}} props */
 function Prior({ id }) {
   const map = /** @type {string} */ (openMapId.value);
   const { data, error, reload } = useFetched((signal) => get("/api/maps/{map}/nodes/{node_id}/prior", { path: { map, node_id: id }, signal }), [map, id]);
+  // Here and not in the form, which begins anew when the prior is another.
+  const [asked, setAsked] = useState(/** @type {Wanted | null} */ (null));
   useChanged(graphRevision, reload, 300);
-  if (error.value) return html`<p class="note" role="alert">${error.value.message}</p>`;
-  if (!data.value) return html`<p class="quiet small">Looking at the prior…</p>`;
-  return h(Form, { key: JSON.stringify(data.value.transform), id, state: data.value, onDone: reload });
+  return html`${error.value
+    ? html`<p class="note" role="alert">${error.value.message}</p>`
+    : data.value
+      ? h(Form, { key: JSON.stringify(data.value.transform), state: data.value, onAsk: setAsked, onDone: reload })
+      : html`<p class="quiet small">Looking at the prior…</p>`}
+  ${asked && h(EditDialog, { ...dialog(id, asked), onDecided: () => undefined, onClose: () => (setAsked(null), reload()) })}`;
 }
 
-/** @param {{id: number, state: State, onDone: () => void, key?: unknown}} props */
-function Form({ id, state, onDone }) {
+/** @param {number} id @param {Wanted} wanted */
+function dialog(id, { prior, known }) {
+  return {
+    label: `Prior of node ${id}`,
+    heading: () => (prior === null ? `Take the prior of node ${id} away?` : known ? `Change the prior of node ${id}?` : `Give node ${id} a prior?`),
+    past: () => (prior === null ? `Node ${id} has no prior any more` : `Node ${id} has this prior`),
+    verb: () => (prior === null ? "Remove" : known ? "Change" : "Add"),
+    kind: /** @type {"bad" | "good"} */ (prior === null ? "bad" : "good"),
+    ask: priorAsk(id, prior ?? { transform: null, sigmas: null }),
+  };
+}
+
+/** @param {{state: State, onAsk: (wanted: Wanted) => void, onDone: () => void, key?: unknown}} props */
+function Form({ state, onAsk, onDone }) {
   const known = state.transform !== null;
   const [pose, setPose] = useState(() => (state.transform ?? state.suggested).map((value) => value.toFixed(3)));
   const [sigmas, setSigmas] = useState(() => state.sigmas?.map((value) => String(Number(value.toFixed(4)))) ?? SIGMAS);
-  const [asked, setAsked] = useState(/** @type {"set" | "remove" | null} */ (null));
   const locked = lockReason();
   const off = locked !== null || deciding.value;
   const numbers = { transform: pose.map(Number), sigmas: sigmas.map(Number) };
@@ -56,20 +74,9 @@ function Form({ id, state, onDone }) {
     ${axes("Pose in the map", pose, setPose)} ${axes("Sigma of each; three 0 for the angles: only the position is known", sigmas, setSigmas)}
     <div class="form-row">
       <span class="grow"></span>
-      ${known && h(Button, { id: "prior-remove", label: "Remove…", hint: locked ?? "Take the prior away; undo brings it back", disabled: off, onClick: () => setAsked("remove") })}
-      ${h(Button, { id: "prior-set", label: known ? "Change…" : "Add…", kind: "accent", hint: locked ?? "You see first what it would do", disabled: off, onClick: () => setAsked("set") })}
+      ${known && h(Button, { id: "prior-remove", label: "Remove…", hint: locked ?? "Take the prior away; undo brings it back", disabled: off, onClick: () => onAsk({ prior: null, known }) })}
+      ${h(Button, { id: "prior-set", label: known ? "Change…" : "Add…", kind: "accent", hint: locked ?? "You see first what it would do", disabled: off, onClick: () => onAsk({ prior: numbers, known }) })}
     </div>
-    ${asked &&
-    h(EditDialog, {
-      label: `Prior of node ${id}`,
-      heading: () => (asked === "remove" ? `Take the prior of node ${id} away?` : known ? `Change the prior of node ${id}?` : `Give node ${id} a prior?`),
-      past: () => (asked === "remove" ? `Node ${id} has no prior any more` : `Node ${id} has this prior`),
-      verb: () => (asked === "remove" ? "Remove" : known ? "Change" : "Add"),
-      kind: asked === "remove" ? "bad" : "good",
-      ask: priorAsk(id, asked === "remove" ? { transform: null, sigmas: null } : numbers),
-      onDecided: () => undefined,
-      onClose: () => (setAsked(null), onDone()),
-    })}
   </div>`;
 }
 

@@ -91,7 +91,7 @@ export function Nodes() {
       ${h(NodeSearch, { query, onChange: (q) => look({ q }) })}
     </div>
     <div class="view-table">${nodeTable()}</div>
-    ${rows.total > 0 && h(ChoiceBar, { choice, rows, onDone: () => rows.refresh() })}
+    ${rows.loaded && h(ChoiceBar, { choice, rows, onDone: () => rows.refresh() })}
     ${selected > 0 && inspector()}
   </div>`;
 
