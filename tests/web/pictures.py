@@ -156,11 +156,11 @@ def shot(page: Page) -> Image.Image:
 
 
 def still(page: Page, name: str) -> None:
-    """Writes the page as a PNG of as many colours as its size allows."""
+    """Writes the page as a PNG of as many colours as its size allows; this palette keeps the page's own as they are."""
     picture = shot(page)
     path = FOLDER / f"{name}.png"
     for number in _COLOURS:
-        picture.quantize(number, dither=Image.Dither.NONE).save(path, optimize=True)
+        picture.quantize(number, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(path, optimize=True)
         if path.stat().st_size <= _MOST_BYTES:
             break
     said(path)
