@@ -40,6 +40,11 @@ def until(page: Page, condition: str, argument: object = None, seconds: float = 
         page.wait_for_timeout(200)
 
 
+def chromium() -> str | None:
+    """Path of Chromium, or of the browser that CHROMIUM names; None where there is none."""
+    return os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+
+
 @pytest.fixture(scope="session", autouse=True)
 def cache_of_the_tests(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Servers keep what can be made again (trials) here, not in the person's own cache."""
@@ -51,7 +56,7 @@ def cache_of_the_tests(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Non
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """Chromium, or the browser that CHROMIUM names."""
-    executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+    executable = chromium()
     if executable is None:
         pytest.skip("needs Chromium: install the package chromium, or set CHROMIUM to its path")
     with sync_playwright() as playwright:

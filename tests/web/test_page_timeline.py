@@ -9,7 +9,8 @@ from playwright.sync_api import Page, expect
 from tests.web.conftest import OpenPage, until
 from tests.web.served import Served
 
-_SCENE = (
+#: Whether the 3D view was told to show the moment of a node, null for now.
+SCENE_AT = (
     "async (at) => (await (await fetch('api/scene/flat?viewer=' + sessionStorage['slamdeck.viewer'])).json()).at === at"
 )
 
@@ -36,7 +37,7 @@ def test_the_past_is_walked_through_and_its_link_reopens_it(library: Served, ope
     page.get_by_role("table", name="Events").get_by_role("row").nth(1).click()
     at = shown(page)
     expect(page).to_have_url(re.compile(rf"/nodes\?at={at}$"))
-    until(page, _SCENE, at)
+    until(page, SCENE_AT, at)
     expect(page.locator(".timeline-shown")).to_contain_text("poses of then")
     page.keyboard.press("Escape")
     page.get_by_role("link", name="Stats").click()
@@ -48,7 +49,7 @@ def test_the_past_is_walked_through_and_its_link_reopens_it(library: Served, ope
     expect(page.locator(".timeline-shown")).to_contain_text(f"node {at}")
     page.keyboard.press("n")
     expect(page).to_have_url(re.compile("/loops$"))
-    until(page, _SCENE, None)
+    until(page, SCENE_AT, None)
 
 
 def test_it_plays_to_now(library: Served, open_page: OpenPage) -> None:
