@@ -215,8 +215,9 @@ class ActiveGraph:
                 self._bridge(replace(by_links, T_from_to=T_a_b), node_id)
 
     def _restore(self, node_id: int) -> None:
-        """The links of a node that came back, those that it had when it left and its real ones, and none over it."""
-        for link in [link for link, middle in self._over.items() if middle == node_id]:
+        """A node that came back has its real links and those that it had when it left, in place of those over it."""
+        over = [link for link, middle in self._over.items() if middle == node_id]
+        for link in over:
             del self._over[link]
             self.graph.remove_link(link.pair)
         for link, middle in self._had.pop(node_id, []):
@@ -228,6 +229,14 @@ class ActiveGraph:
         for (from_id, _, _), link in self.whole.constraints.items():
             if from_id == node_id:
                 self.graph.add_constraint(link)
+        self._keep_together(over, node_id)
+
+    def _keep_together(self, over: Iterable[Link], node_id: int) -> None:
+        """Virtual links over a node that is back stay where the way through it goes on over other absent nodes."""
+        absent = next((i for i in self.whole.neighbors(node_id) if i not in self.graph), node_id)
+        for link in over:
+            if link.to_id not in self.graph.component(link.from_id):
+                self._bridge(link, absent)
 
     def _fits(self, link: Link) -> bool:
         return self.graph.has(*link.pair) and link.pair not in self.graph.links

@@ -101,6 +101,16 @@ def test_in_any_order_nothing_falls_apart_and_poses_agree(seed: int, data: st.Da
         assert apart(active) < 1e-9
 
 
+def test_two_that_came_back_amid_absent_nodes_are_still_joined_with_the_rest() -> None:
+    active = ActiveGraph(circles(40, 5, seed=0))
+    active.leave([1, 6, 7, 8, 4, 2, 3, 5, *range(9, 22)])
+    for i in (1, 2, 3, 20):
+        active.come_back([i])
+        assert active.graph.component(i) == set(active.graph.poses)
+    active.come_back(range(1, 41))
+    assert active.graph.links == active.whole.links
+
+
 def test_the_small_graph_is_solved_like_the_whole_one() -> None:
     whole = circles(200, 20, seed=3)
     expected = whole.poses = optimize(whole, Params()).poses
