@@ -66,7 +66,7 @@ class Session:
         self._tiers = Tiers(self.memory, self.graph)
         self._active = self._tiers.active
         self._loops = LoopDetector()
-        self._closer = LoopCloser()
+        self._closer = LoopCloser(self._active.try_loops)
         self._grid = GridLayer(params, None if past is None else past.reader.local_grid)
         self._recorder = Recorder(writer, self._tiers, self._tracked, self._grid, seed=seed, source=source)
         self._last: Node | None = None

@@ -15,6 +15,7 @@ from slam.errors import DatabaseError
 from slam.types import Descriptors, Features, Node
 
 _COLUMNS = tuple(feature.c.keys())
+_READ = f"SELECT {', '.join(_COLUMNS[1:])} FROM Feature WHERE node_id = ? ORDER BY rowid"
 _NO_ANGLE = -1.0
 
 
@@ -72,9 +73,8 @@ def rename_words(connection: Connection, renamed: Mapping[int, Mapping[int, int]
 
 def read_features(connection: Connection, node_id: int) -> tuple[Features, NDArray[np.int32]]:
     """Key points of a node and their word ids, in the order they were written; empty when it has none."""
-    columns = [c for c in feature.c if c.name != "node_id"]
-    query = select(*columns).where(feature.c.node_id == node_id).order_by(text("rowid"))
-    rows = connection.execute(query).all()
+    # SQLite's own rows: a thousand values of each node that comes back in an update need no second look.
+    rows = connection.exec_driver_sql(_READ, (node_id,)).all()
     words, x, y, sizes, angles, responses, octaves, px, py, pz, widths, raw = (
         zip(*rows, strict=True) if rows else ((),) * 12
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
@@ -213,6 +213,17 @@ class MapReader(DeckReader):
         doing = f"reading the key points of node {node_id}"
         with self._reading(doing) as connection, _about(self.path, node_id, "Feature"):
             return read_features(connection, node_id)
+
+    def seen(self, node_ids: Iterable[int]) -> list[tuple[Features, NDArray[np.int32], Scan | None]]:
+        """What ``features`` and ``scan`` have of several nodes, through one connection."""
+        found = []
+        with self._reading("reading nodes", LARGE_VALUE) as connection:
+            for node_id in node_ids:
+                with _about(self.path, node_id, "Feature"):
+                    features, word_ids = read_features(connection, node_id)
+                with _about(self.path, node_id):
+                    found.append((features, word_ids, data_rows.read_scan(connection, node_id)))
+        return found
 
     def words(self, ids: Sequence[int] | None = None) -> WordRows:
         """The whole dictionary, or those of these words that it has; ascending by id."""

@@ -58,6 +58,10 @@ class Dictionary:
         self._register(new_ids, before)
         return self._ids[rows], new_ids, index.unpacked(slice(before, index.count)).copy()
 
+    def absent(self, ids: Iterable[int]) -> list[int]:
+        """Those of these words that are not in RAM, ascending."""
+        return sorted(word for word in ids if word not in self._rows)
+
     def restore(self, ids: NDArray[np.int32], descriptors: Descriptors, params: Params) -> dict[int, int]:
         """Brings back words of a node from long-term memory.
 

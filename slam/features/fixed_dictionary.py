@@ -71,6 +71,10 @@ class FixedDictionary:
         del descriptors, next_id
         self._check(ids)
 
+    def absent(self, ids: Iterable[int]) -> list[int]:
+        """Those of these words that are not known to be stored, ascending."""
+        return sorted(word for word in ids if word not in self._stored)
+
     def restore(self, ids: NDArray[np.int32], descriptors: Descriptors, params: Params) -> dict[int, int]:
         """Words of a node that comes back are there already.
 

@@ -75,14 +75,10 @@ class Workshop:
         """All factors of a problem; raises OptimizationError for a link with numbers that are none."""
         links = problem.measurements
         made = self._links(links, problem, style)
-        T_root = orthonormal(problem.poses[problem.root])
-        held = gauge(problem, T_root)[np.ix_(style.space.axes, style.space.axes)]
-        noise = gtsam.noiseModel.Gaussian.Information(held)
-        anchor = style.space.prior(problem.root, T_root, noise)
-        key = ("root", problem.root, T_root.tobytes(), held.tobytes())
+        anchors = [_anchor(problem, node_id, style.space) for node_id in problem.held or [problem.root]]
         return Factors(
-            keys=[*links, key],
-            factors=[*(factor for factor, _ in made), anchor],
+            keys=[*links, *(key for key, _ in anchors)],
+            factors=[*(factor for factor, _ in made), *(factor for _, factor in anchors)],
             loops=[row for row, link in enumerate(links) if link.type.is_loop],
             clamped=sum(was_clamped for _, was_clamped in made),
         )
@@ -101,6 +97,14 @@ class Workshop:
         # What a sighting becomes depends on the landmark's other sightings.
         self._kept.update(((style, k), f) for k, f in zip(links, made, strict=True) if k.to_id > 0)
         return made
+
+
+def _anchor(problem: Problem, node_id: int, space: Space) -> tuple[object, gtsam.NoiseModelFactor]:
+    """What holds a node in its place, with its key."""
+    T_map_node = orthonormal(problem.poses[node_id])
+    information = gauge(problem, T_map_node)[np.ix_(space.axes, space.axes)]
+    factor = space.prior(node_id, T_map_node, gtsam.noiseModel.Gaussian.Information(information))
+    return ("held", node_id, T_map_node.tobytes(), information.tobytes()), factor
 
 
 def _made(links: Sequence[Link], oriented: set[int], style: Style) -> Iterator[tuple[gtsam.NoiseModelFactor, bool]]:

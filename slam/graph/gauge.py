@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from slam.geometry import Array, Pose
@@ -18,8 +20,11 @@ def gauge(problem: Problem, T_map_root: Pose) -> Array:
     """Information (6, 6) of the root's pose, translation first, in its own frame.
 
     With priors the whole map moves to where they say; with gravity it tilts, and only position and heading are held. A
-    single position says nothing of how the map is turned: that is held.
+    single position says nothing of how the map is turned: that is held. Of a part of a map, whose surroundings are
+    held, nothing moves so.
     """
+    if problem.held:
+        return _HELD * np.eye(6)
     priors = problem.priors
     if len(priors) > 1 or any(knows_rotation(prior) for prior in priors):
         return _FREE * np.eye(6)
@@ -33,6 +38,8 @@ def gauge(problem: Problem, T_map_root: Pose) -> Array:
     return information
 
 
-def is_held(problem: Problem) -> bool:
-    """Whether the root stays where it was."""
-    return not (problem.priors or problem.gravity)
+def staying(problem: Problem) -> Sequence[int]:
+    """Nodes that stay exactly where they were."""
+    if problem.held:
+        return problem.held
+    return () if problem.priors or problem.gravity else (problem.root,)

@@ -77,6 +77,7 @@ class PoseGraph:
         constraints: priors, gravity and sightings of landmarks, which join no two nodes.
         poses: id -> (4, 4) optimised pose ``T_map_base``.
         between: intermediate nodes, which count as no step on any way.
+        held: nodes that an optimisation leaves where they are.
         solver_state: what an incremental optimiser keeps from one call to the next.
     """
 
@@ -87,6 +88,7 @@ class PoseGraph:
         self.constraints: dict[ConstraintKey, Link] = {}
         self.poses: dict[int, Pose] = {}
         self.between: set[int] = set()
+        self.held: set[int] = set()
         self.solver_state: object | None = None
         self._adjacent: dict[int, dict[int, Link]] = {}
 

@@ -9,7 +9,7 @@ from functools import cache
 
 from slam.geometry import Pose
 from slam.graph.factors import Style, Workshop
-from slam.graph.gauge import is_held
+from slam.graph.gauge import staying
 from slam.graph.graph import Pair, PoseGraph
 from slam.graph.incremental import Incremental
 from slam.graph.kernels import Kernel, choose_kernel
@@ -85,8 +85,8 @@ def optimize(
         factors, _starts().values(problem, style.space), params
     )
     solved = _starts().poses(problem, style.space, found.values)
-    if is_held(problem):
-        solved[root] = graph.poses[root] if style.space is SPATIAL else style.space.flat(graph.poses[root][None])[0]
+    for i in staying(problem):
+        solved[i] = graph.poses[i] if style.space is SPATIAL else style.space.flat(graph.poses[i][None])[0]
     outliers = outlying(factors, found.values) if style.kernel is not Kernel.NONE else []
     return Optimized(
         poses={i: solved.get(i, T) for i, T in graph.poses.items()},

@@ -29,6 +29,7 @@ class Problem:
         gravity: which way is up at nodes.
         sightings: links from nodes to landmarks (negative ids).
         poses: id -> (4, 4) ``T_map_base`` to start from, of landmarks too.
+        held: ids that stay where they are; with any, nothing else is done to hold the root.
     """
 
     root: int
@@ -38,6 +39,7 @@ class Problem:
     gravity: Sequence[Link]
     sightings: Sequence[Link]
     poses: Mapping[int, Pose]
+    held: Sequence[int] = ()
 
     @classmethod
     def of(cls, graph: PoseGraph, root: int, params: Params) -> Problem:
@@ -65,6 +67,7 @@ class Problem:
             gravity=gravity,
             sightings=sightings,
             poses=poses,
+            held=sorted(graph.held & ids),
         )
 
     @property

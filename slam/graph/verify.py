@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def max_error(graph: PoseGraph, poses: Mapping[int, Pose]) -> WorstLink:
     return _worst(links, residual_ratios(links, poses)) if links else WorstLink()
 
 
-def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params) -> Closure:
+def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params, *, at_rest: bool = False) -> Closure:
     """Add loop links, optimise, and keep both links and poses only if no link is worse than ``RGBD/OptimizeMaxError``.
 
     A link that was worse than that before, say because somebody approved it, is held against the candidates only when
@@ -138,7 +138,8 @@ def close_loops(graph: PoseGraph, candidates: Sequence[Link], params: Params) ->
         for link in candidates:
             join(graph, link)
             added.append(link)
-        optimized = optimize(graph, params, root=choose_root(graph, params, candidates[0].from_id))
+        solved = resting(graph, added) if at_rest else graph
+        optimized = optimize(solved, params, root=choose_root(graph, params, candidates[0].from_id))
     except OptimizationError:
         _take_back(graph, added, poses)
         raise
@@ -182,14 +183,27 @@ def _worst(links: Sequence[Link], ratios: Array) -> WorstLink:
     return WorstLink(float(linear), float(metres), links[i], float(angular), float(radians), links[k])
 
 
+def resting(graph: PoseGraph, new: Collection[Link]) -> PoseGraph:
+    """The same graph without any strain but that of its new links: the others say what the poses say."""
+    rest, pairs = graph.copy(), {link.pair for link in new}
+    for pair, link in graph.links.items():
+        if pair not in pairs:
+            T = inverse(graph.poses[link.from_id]) @ graph.poses[link.to_id]
+            rest.remove_link(pair)
+            rest.add_link(replace(link, T_from_to=T))
+    return rest
+
+
 def join(graph: PoseGraph, link: Link) -> None:
     """Add a link; where it joins two components, the younger one's poses move rigidly so that the link is exact.
+
+    Not in a part of a map whose rim is held: what looks like two components is joined beyond it.
 
     Raises:
         OptimizationError: the link doesn't fit the graph, which is then as it was.
     """
     component = graph.component(link.from_id)
-    if link.to_id not in component and link.T_from_to is not None:
+    if link.to_id not in component and link.T_from_to is not None and not graph.held:
         other = graph.component(link.to_id)
         T_map_to = graph.poses[link.from_id] @ link.T_from_to
         if min(other) > min(component):

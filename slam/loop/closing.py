@@ -15,6 +15,9 @@ from slam.loop.repair import taken_back, wrong_since
 from slam.params import Params
 from slam.types import Candidate, Link, Refusal
 
+#: Puts links into a graph if that can live with them.
+Trial = Callable[[PoseGraph, Sequence[Link], Params], Closure]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Closed:
@@ -43,7 +46,9 @@ class Closed:
 class LoopCloser:
     """Closes loops, update after update, and remembers which old link the last refused ones contradicted."""
 
-    def __init__(self) -> None:
+    def __init__(self, trial: Trial = close_loops) -> None:
+        """``trial`` puts links into the graph if that can live with them."""
+        self._trial = trial
         self._blamed: Link | None = None
 
     def close(
@@ -61,23 +66,23 @@ class LoopCloser:
             params: the RGBD and Optimizer groups are read.
             kept: pairs that somebody has approved, which never go; asked for only when a link is about to.
         """
-        closed = close(graph, candidates, params)
+        closed = close(graph, candidates, params, self._trial)
         if closed.closure is None:
             return closed
         last, self._blamed = self._blamed, next((k for k in closed.blamed if graph.links.get(k.pair) is k), None)
         if self._blamed is None or self._blamed is not last or params.RGBD.OptimizeMaxErrorRepairRadius <= 0:
             return closed
-        return _repaired(graph, candidates, self._blamed, kept(), params) or closed
+        return _repaired(graph, candidates, self._blamed, kept(), params, self._trial) or closed
 
 
 def _repaired(
-    graph: PoseGraph, candidates: Sequence[Candidate], old: Link, kept: Collection[Pair], params: Params
+    graph: PoseGraph, candidates: Sequence[Candidate], old: Link, kept: Collection[Pair], params: Params, trial: Trial
 ) -> Closed | None:
     """The outcome without the old link and its neighbours; None where no candidate comes in by that: then they stay."""
     removed, poses = wrong_since(old, graph, kept, params), graph.poses
     for link in removed:
         graph.remove_link(link.pair)
-    closed = close(graph, candidates, params) if removed else Closed()
+    closed = close(graph, candidates, params, trial) if removed else Closed()
     if not closed.links:
         for link in removed:
             graph.add_link(link)
@@ -95,7 +100,7 @@ def limited(candidate: Candidate, most: NDArray[np.float64]) -> Candidate:
     return replace(candidate, information=candidate.information * np.outer(scale, scale))
 
 
-def close(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> Closed:
+def close(graph: PoseGraph, candidates: Sequence[Candidate], params: Params, trial: Trial = close_loops) -> Closed:
     """Adds the candidates that the images agreed with; all together, or else one by one.
 
     RTAB-Map lets all loops of an update go when the graph refuses one of them; tried alone, the others stay.
@@ -103,11 +108,11 @@ def close(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> 
     agreed = [candidate for candidate in candidates if candidate.refusal is None]
     if not agreed:
         return Closed(tuple(candidates))
-    together = _try(graph, agreed, params)
+    together = _try(graph, agreed, params, trial)
     if together.accepted or len(agreed) == 1:
         verdicts = {id(candidate): together for candidate in agreed}
     else:
-        verdicts = {id(candidate): _try(graph, [candidate], params) for candidate in agreed}
+        verdicts = {id(candidate): _try(graph, [candidate], params, trial) for candidate in agreed}
     judged = tuple(replace(c, refusal=verdicts[id(c)].refusal) if id(c) in verdicts else c for c in candidates)
     links = tuple(c.link for c in judged if c.refusal is None and c.link is not None)
     closures = [verdict.closure for verdict in verdicts.values()]
@@ -127,9 +132,9 @@ class _Verdict:
         return self.refusal is None
 
 
-def _try(graph: PoseGraph, candidates: Sequence[Candidate], params: Params) -> _Verdict:
+def _try(graph: PoseGraph, candidates: Sequence[Candidate], params: Params, trial: Trial) -> _Verdict:
     try:
-        closure = close_loops(graph, [c.link for c in candidates if c.link is not None], params)
+        closure = trial(graph, [c.link for c in candidates if c.link is not None], params)
     except OptimizationError as error:
         return _Verdict(None, Refusal("optimization", float("nan"), float("nan"), str(error)))
     return _Verdict(closure, closure.refusal)

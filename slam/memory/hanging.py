@@ -1,23 +1,24 @@
-"""Where nodes outside RAM are: they hang on those in RAM that they were linked with, and move as these do."""
+"""How nodes outside RAM follow a map that is bent: each hangs on nodes in RAM, and moves as these do."""
 
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from slam.geometry import Pose, interpolate
+import numpy as np
+
+from slam.geometry import Array, Pose
 
 #: Holders of a node: between two, a node on a way that was bent shares the bend by how near it is to either end.
 _MOST = 2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Holder:
-    """A node that another one hangs on: with which weight, and where the other one is as seen from it."""
+    """A node that another one hangs on, and with which weight."""
 
     node_id: int
     weight: float
-    T_holder_node: Pose
 
 
 class Hanging:
@@ -51,16 +52,25 @@ class Hanging:
         """The node that holds this one best."""
         return self._holders[node_id][0].node_id
 
-    def pose(self, node_id: int, in_ram: Container[int], poses: Mapping[int, Pose]) -> Pose:
-        """Pose of a node that hangs; of a holder that hangs on nothing itself, ``poses`` has the last one."""
-        self._shorten(node_id, in_ram)
-        first, *rest = self._holders[node_id]
-        T_map_node: Pose = poses[first.node_id] @ first.T_holder_node
-        for other in rest:
-            T_map_node = interpolate(T_map_node, poses[other.node_id] @ other.T_holder_node, other.weight)
-        return T_map_node
+    def follow(self, moves: Mapping[int, Pose], in_ram: Container[int], poses: Mapping[int, Pose]) -> dict[int, Pose]:
+        """Where nodes go whose holders moved: id -> (4, 4) ``T_map_node``.
 
-    def _shorten(self, node_id: int, in_ram: Container[int]) -> None:
+        Args:
+            moves: id of a node in RAM -> (4, 4) ``T_after_before``, its motion in the map's frame.
+            in_ram: ids of those that hang on nothing.
+            poses: of the nodes that hang, before.
+        """
+        held = {i: self._shortened(i, in_ram) for i in self}
+        ids = [i for i, holders in held.items() if i in poses and any(h.node_id in moves for h in holders)]
+        if not ids:
+            return {}
+        still = np.eye(4)
+        T_before = np.array([poses[i] for i in ids])
+        first = np.array([moves.get(held[i][0].node_id, still) for i in ids]) @ T_before
+        last = np.array([moves.get(held[i][-1].node_id, still) for i in ids]) @ T_before
+        return dict(zip(ids, _blended(first, last, np.array([held[i][0].weight for i in ids])), strict=True))
+
+    def _shortened(self, node_id: int, in_ram: Container[int]) -> tuple[Holder, ...]:
         """Hang a node directly on what is in RAM (or hangs on nothing), and everything on its way too."""
         way = [node_id]
         while way:
@@ -73,6 +83,7 @@ class Hanging:
             if above:
                 self._holders[way[-1]] = _surest([one for holder in holders for one in self._through(holder, in_ram)])
             way.pop()
+        return self._holders[node_id]
 
     def _is_up(self, node_id: int, in_ram: Container[int]) -> bool:
         """Whether a holder hangs on others itself."""
@@ -81,20 +92,23 @@ class Hanging:
     def _through(self, holder: Holder, in_ram: Container[int]) -> list[Holder]:
         if not self._is_up(holder.node_id, in_ram):
             return [holder]
-        return [
-            Holder(above.node_id, holder.weight * above.weight, above.T_holder_node @ holder.T_holder_node)
-            for above in self._holders[holder.node_id]
-        ]
+        return [Holder(above.node_id, holder.weight * above.weight) for above in self._holders[holder.node_id]]
 
 
 def _surest(holders: Sequence[Holder]) -> tuple[Holder, ...]:
     """The heaviest holders, each node once, with weights that sum to one."""
-    by_id: dict[int, Holder] = {}
-    for holder in sorted(holders, key=lambda one: (-one.weight, one.node_id)):
-        known = by_id.get(holder.node_id)
-        weight = holder.weight if known is None else known.weight + holder.weight
-        T = holder.T_holder_node if known is None else known.T_holder_node
-        by_id[holder.node_id] = Holder(holder.node_id, weight, T)
-    kept = sorted(by_id.values(), key=lambda one: (-one.weight, one.node_id))[:_MOST]
-    total = sum(one.weight for one in kept)
-    return tuple(Holder(one.node_id, one.weight / total, one.T_holder_node) for one in kept)
+    weights: dict[int, float] = {}
+    for holder in holders:
+        weights[holder.node_id] = weights.get(holder.node_id, 0.0) + holder.weight
+    kept = sorted(weights.items(), key=lambda one: (-one[1], one[0]))[:_MOST]
+    total = sum(weight for _, weight in kept)
+    return tuple(Holder(node_id, weight / total) for node_id, weight in kept)
+
+
+def _blended(first: Array, last: Array, share: Array) -> Array:
+    """Weighted mean of positions and rotations of two stacks of poses (N, 4, 4), with this share (N,) of the first."""
+    mean = share[:, None, None] * first + (1.0 - share)[:, None, None] * last
+    U, _, Vt = np.linalg.svd(mean[:, :3, :3])
+    U[:, :, 2] *= np.linalg.det(U @ Vt)[:, None]
+    mean[:, :3, :3] = U @ Vt
+    return mean

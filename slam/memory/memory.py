@@ -142,9 +142,11 @@ class Memory:
     def retrieve(self, ids: Iterable[int], params: Params) -> list[int]:
         """Brings nodes back from LTM to WM; returns those that were there."""
         found = [node_id for node_id in ids if node_id in self.ltm]
-        for node_id in found:
-            node, words = self._long_term.load(self._outlines.pop(node_id))
-            in_ram = self.dictionary.restore(words.ids, words.descriptors, params)
+        nodes = self._long_term.load([self._outlines.pop(node_id) for node_id in found]) if found else []
+        words = self._absent_words(nodes)
+        for node_id, node in zip(found, nodes, strict=True):
+            its = np.isin(words.ids, node.word_ids)
+            in_ram = self.dictionary.restore(words.ids[its], words.descriptors[its], params)
             word_ids = np.array([in_ram.get(w, w) for w in node.word_ids.tolist()], np.int32)
             renamed = {old: new for old, new in in_ram.items() if old != new}
             if renamed:
@@ -175,7 +177,7 @@ class Memory:
         self.between = {node_id: list(ids) for node_id, ids in between.items()}
         self.weights = {outline.id: outline.weight for outline in self._outlines.values()}
         self.weights |= {i: WEIGHT_INTERMEDIATE for ids in self.between.values() for i in ids}
-        nodes = [self._long_term.load(self._outlines.pop(node_id))[0] for node_id in sorted(in_ram)]
+        nodes = self._long_term.load([self._outlines.pop(node_id) for node_id in sorted(in_ram)])
         self.ltm = set(self._outlines)
         self._moved = dict.fromkeys(self.with_between(self.ltm), Tier.LTM)
         used = np.unique(np.concatenate([np.zeros(0, np.int32), *(node.word_ids for node in nodes)]))
@@ -225,6 +227,12 @@ class Memory:
         self._entries += 1
         self.wm[node_id] = self._entries
         self._moved |= dict.fromkeys(self.with_between([node_id]), Tier.WM)
+
+    def _absent_words(self, nodes: Iterable[Node]) -> WordRows:
+        """The words of nodes that come back, but those that the dictionary has."""
+        ids = {word for node in nodes for word in node.word_ids.tolist() if word > 0}
+        absent = self.dictionary.absent(ids)
+        return self._long_term.words(absent) if absent else WordRows.none()
 
     def _words_of(self, node: Node) -> WordRows:
         ids = np.unique(node.word_ids[node.word_ids > 0])

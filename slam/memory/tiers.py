@@ -22,9 +22,6 @@ from slam.memory.transfer import choose_transfer, is_bounded
 from slam.params import Params
 from slam.types import LinkType
 
-#: Nodes in long-term memory that may follow the others at each update, so that all have after so many of them.
-_OFTEN = 50
-
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
@@ -51,7 +48,6 @@ class Tiers:
         self.labelled: set[int] = set()
         self._places = Places()
         self._moved: set[int] = set()
-        self._behind = 0
         self.restrict()
 
     @property
@@ -129,15 +125,12 @@ class Tiers:
         return Transfer(chosen, immunity)
 
     def follow(self, node_id: int, closed: Closed) -> None:
-        """All poses follow the optimised ones: those in RAM at once, those in long-term memory now and then."""
+        """All poses follow the optimised ones, in RAM and outside."""
         self._moved.add(node_id)
-        self._behind += 1
         if closed.optimized:
             self.active.closed(closed.links, closed.removed)
             self._moved.update(self.active.graph.poses)
-        if _OFTEN * self._behind >= len(self.memory.ltm):
-            self._behind = 0
-            followed = self.active.follow()
+            followed = self.active.take_moved()
             self._places.put(self.graph.poses, (i for i in followed if i in self.memory.ltm))
             self._moved.update(followed)
 
@@ -158,7 +151,6 @@ class Tiers:
     def settle(self, params: Params) -> None:
         """What was put off to keep updates short is done: the whole graph fits together."""
         if not self.active.is_whole:
-            self.active.follow()
             with suppress(OptimizationError):
                 self.graph.poses = optimize(self.graph, params).poses
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slam.geometry import between, rotation_angle, translation_norm
 from slam.graph.optimizer import optimize
+from slam.graph.verify import max_error
 from slam.memory.active_graph import ActiveGraph
 from slam.params import Params
 from slam.types import Link, LinkType
-from tests.graphs import INFORMATION, circles
+from tests.graphs import INFORMATION, circles, loop, truth
 from tests.nodes import at, chain, join
 
 
@@ -48,8 +51,8 @@ def test_nodes_that_left_move_with_their_neighbours() -> None:
     moved = {i: at(0.0, 5.0) @ T for i, T in active.graph.poses.items()}
     active.graph.poses = moved
     active.closed([])
-    assert sorted(active.follow()) == [2, 3]
-    assert active.follow() == []
+    assert active.take_moved() == {2, 3}
+    assert not active.take_moved()
     for i, T in chain(6).poses.items():
         np.testing.assert_allclose(active.whole.poses[i], at(0.0, 5.0) @ T, atol=1e-12)
 
@@ -98,6 +101,16 @@ def test_in_any_order_nothing_falls_apart_and_poses_agree(seed: int, data: st.Da
         assert apart(active) < 1e-9
 
 
+def test_two_that_came_back_amid_absent_nodes_are_still_joined_with_the_rest() -> None:
+    active = ActiveGraph(circles(40, 5, seed=0))
+    active.leave([1, 6, 7, 8, 4, 2, 3, 5, *range(9, 22)])
+    for i in (1, 2, 3, 20):
+        active.come_back([i])
+        assert active.graph.component(i) == set(active.graph.poses)
+    active.come_back(range(1, 41))
+    assert active.graph.links == active.whole.links
+
+
 def test_the_small_graph_is_solved_like_the_whole_one() -> None:
     whole = circles(200, 20, seed=3)
     expected = whole.poses = optimize(whole, Params()).poses
@@ -106,7 +119,6 @@ def test_the_small_graph_is_solved_like_the_whole_one() -> None:
     active.leave(gone)
     active.graph.poses = optimize(active.graph, Params()).poses
     active.closed([])
-    active.follow()
     for i in range(1, 201):
         T = between(expected[i], active.whole.poses[i])
         assert translation_norm(T) < 0.01
@@ -139,7 +151,6 @@ def test_a_way_that_is_bent_bends_what_left_of_it_evenly() -> None:
     far = at(10.0, 2.0)
     active.graph.poses = {1: active.graph.poses[1], 11: far}
     active.closed([])
-    active.follow()
     sideways = [float(active.whole.poses[i][1, 3]) for i in range(1, 12)]
     np.testing.assert_allclose(sideways, np.linspace(0.0, 2.0, 11), atol=0.15)
 
@@ -155,6 +166,53 @@ def test_a_graph_that_moves_as_one_takes_along_all_that_left(seed: int, data: st
     T = at(3.0, -2.0)
     active.graph.poses = {i: T @ pose for i, pose in active.graph.poses.items()}
     active.closed([])
-    active.follow()
     for i, pose in before.items():
         np.testing.assert_allclose(active.whole.poses[i], T @ pose, atol=1e-9)
+
+
+def test_a_loop_that_fits_moves_what_is_around_it_and_nothing_else() -> None:
+    whole = circles(300, 200, seed=1)
+    whole.poses = optimize(whole, Params()).poses
+    active, before = ActiveGraph(whole), dict(whole.poses)
+    active.leave([i for i in range(2, 280) if i % 9])
+    link = loop(300, 180, truth(300), np.random.default_rng(5))
+    closure = active.try_loops(active.graph, [link], Params())
+    active.closed([link])
+    assert closure.accepted
+    assert active.whole.links[180, 300] is link is active.graph.links[180, 300]
+    moved = {i for i, T in before.items() if not np.array_equal(T, active.whole.poses[i])}
+    assert {180, 300} <= moved
+    assert len(moved) <= 160
+    assert active.take_moved() == {i for i in moved if i not in active.graph}
+    assert max_error(active.whole, active.whole.poses).ratio < Params().RGBD.OptimizeMaxError + 1.0
+    assert apart(active) == 0.0
+
+
+@settings(max_examples=6)
+@given(seed=st.integers(0, 1000), off_m=st.sampled_from([0.15, 1.0, 30.0]))
+def test_a_false_loop_is_refused_and_leaves_no_trace(seed: int, off_m: float) -> None:
+    whole = circles(300, 200, seed=seed)
+    whole.poses = optimize(whole, Params()).poses
+    active, before = ActiveGraph(whole), dict(whole.poses)
+    active.leave([i for i in range(2, 280) if i % 9])
+    links = dict(active.graph.links)
+    true = loop(300, 180, truth(300), np.random.default_rng(seed))
+    assert true.T_from_to is not None
+    closure = active.try_loops(active.graph, [replace(true, T_from_to=true.T_from_to @ at(0.0, off_m))], Params())
+    assert closure.refusal is not None
+    assert closure.refusal.test == "RGBD/OptimizeMaxError"
+    assert closure.refusal.value > Params().RGBD.OptimizeMaxError
+    assert active.graph.links.keys() == links.keys()
+    for i, T in before.items():
+        np.testing.assert_allclose(active.whole.poses[i], T, atol=1e-3)
+
+
+def test_a_loop_that_leads_far_beyond_bends_all_and_what_is_away_follows() -> None:
+    active = ActiveGraph(chain(400))
+    active.leave([i for i in range(2, 390) if i % 7])
+    link = Link(400, 1, LinkType.GLOBAL_CLOSURE, at(-397.0), INFORMATION)
+    closure = active.try_loops(active.graph, [link], Params())
+    active.closed([link])
+    assert closure.accepted
+    assert len(active.take_moved()) > 300
+    assert max_error(active.whole, active.whole.poses).ratio < 1.0, "two metres are little if all bear them"
