@@ -157,7 +157,7 @@ class Snapshot:
             link = row.candidate.link
             if link is not None and pair not in graph.links and graph.has(*pair):
                 loops[pair] = link
-        return suspicions(graph, list(loops.values()), self.params.RGBD.OptimizeMaxError)
+        return suspicions(graph, list(loops.values()), self.params)
 
     def look_alike(self, pair: Pair) -> LookAlike | None:
         """The place elsewhere that rivals the one which a hypothesis leads to; None for loops of another kind."""
