@@ -1,0 +1,175 @@
+"""``python -m tests.bench --workbench``: the page's figures, by a real server and a real browser.
+
+Maps are made for it: 2,000 nodes with 200 loops, and 10,000 nodes with 12,000 links and a million points.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import Browser
+
+from tests.bench.figures import Figure, most
+from tests.bench.planting import PLANTED, QUEUE, maps, plantings, summary
+from tests.bench.watched import WatchedPage, chromium
+from tests.bench.workbench_map import write_workbench_map
+from tests.web.served import Served
+
+_MANY, _LOOPS, _CLOUDS = 10_000, 2_001, 100
+_FEW, _FEW_LOOPS, _FEW_CLOUDS = 2_000, 200, 40
+_PLANTINGS, _TIMES = 100, 5
+_MEGA = 1e6
+#: The answer may be read a little after the 3D view moved.
+_LEAD_S = 0.1
+#: What comes over a stream within this time is one update.
+_TOGETHER_S = 0.01
+#: Moves of the timeline's slider, one in 16 ms as a mouse makes them, and how often the 3D view has to follow.
+_SCRUBS, _UPDATES_PER_S = 180, 20.0
+_FETCH = """async (path) => {
+  const start = performance.now();
+  await (await fetch(path)).json();
+  return performance.now() - start;
+}"""
+_SCRUB = """async (count) => {
+  const slider = document.querySelector('[aria-label="Update that is shown"]');
+  const start = performance.now();
+  for (let i = 0; i < count; i += 1) {
+    slider.value = String(Math.round((i + 1) * (Number(slider.max) - 1) / count));
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+    await new Promise((done) => setTimeout(done, 16));
+  }
+  return performance.now() - start;
+}"""
+
+
+def workbench(data: Path, count: int = _PLANTINGS) -> list[Figure]:
+    """All figures; those of the browser are left out where there is none.
+
+    Args:
+        data: folder with pose graphs and databases of others.
+        count: plantings in each map.
+    """
+    found = [figure for name in maps(data) for figure in planting(data, name, count)]
+    executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+    if executable is None:
+        return [*found, Figure("the page", "needs Chromium", "")]
+    with tempfile.TemporaryDirectory() as folder, chromium(executable) as browser:
+        for name, nodes, loops, clouds in (("few", _FEW, _FEW_LOOPS, _FEW_CLOUDS), ("many", _MANY, _LOOPS, _CLOUDS)):
+            write_workbench_map(Path(folder) / f"{name}.db", nodes, loops, clouds)
+        return [*pages(browser, Path(folder)), *found]
+
+
+def planting(data: Path, name: str, count: int) -> list[Figure]:
+    """Whether planted false loops are found in one map, and what that costs."""
+    graph, params = maps(data)[name]()
+    found = summary(list(plantings(graph, params, count)))
+    share, loops = found["found_percent"], sum(link.type.is_loop for link in graph.links.values())
+    text = f"{PLANTED} false loops in {name} ({loops} loops), among the first {QUEUE} of {found['plantings']} plantings"
+    off = f"{name}: how far the map is off after they were rejected, at most (planted: {found['bent_m']:g} m)"
+    return [
+        Figure(text, share, "%", "", ">= 95", share >= 95.0),
+        most(off, found["mended_m"], "m", "", 0.01),
+        most(f"{name}: all loops judged, median", found["seconds"], "s", "", 1.0),
+    ]
+
+
+def pages(browser: Browser, folder: Path) -> list[Figure]:
+    """Figures of the page on maps ``few.db`` and ``many.db`` of a folder."""
+    server = Served("serve", str(folder), "--port", "0")
+    try:
+        return [*_opened(browser, server), *_decided(browser, server), *_scrubbed(browser, server)]
+    finally:
+        server.close()
+
+
+def _opened(browser: Browser, server: Served) -> list[Figure]:
+    """A new browser on the large map, then a loop closure: the worst loop goes."""
+    watched = WatchedPage(browser, server)
+    page, port = watched.page, watched.port
+    start = time.monotonic()
+    page.goto(f"{watched.base}#/map/many/loops")
+    page.get_by_role("table", name="Loop closures").get_by_role("row").nth(3).wait_for()
+    ready = time.monotonic() - start
+    watched.wait(lambda: port.views > 0)
+    watched.quiet()
+    name, slowest = f"{_MANY:,} nodes, {_MANY + _LOOPS - 1:,} links, {_CLOUDS * 10_000:,} points", _slowest(watched)
+    found = [
+        most(f"{name}: all bytes to a new browser", round(port.bytes / _MEGA, 2), "MB", "", 15.0),
+        most(f"{name}: page shows the review queue", round(ready, 2), "s", "", 2.0),
+        slowest,
+        most("the same: longest task of the page's main thread", round(watched.longest_task_ms()), "ms", "", 200.0),
+    ]
+    port.reset()
+    rejected = _reject(watched)
+    watched.quiet()
+    closed = most("the same: all bytes after a loop was rejected", round(port.bytes / _MEGA, 2), "MB", "", 1.0)
+    watched.close()
+    return [*found, closed, Figure("the same: decision to new graph on the page", round(rejected, 2), "s")]
+
+
+def _slowest(watched: WatchedPage) -> Figure:
+    url, seconds = max(watched.requests, key=lambda one: one[1])
+    what = "/".join(url.split("?")[0].split("/")[3:])
+    return most(f"the same: slowest request ({what})", round(seconds, 2), "s", "", 1.0)
+
+
+def _decided(browser: Browser, server: Served) -> list[Figure]:
+    """Decisions on the map of 2,000 nodes, and what another threshold would mean."""
+    watched = WatchedPage(browser, server)
+    page = watched.page
+    page.goto(f"{watched.base}#/map/few/loops")
+    page.get_by_role("table", name="Loop closures").get_by_role("row").nth(3).wait_for()
+    watched.quiet()
+    _reject(watched)
+    spent = [_reject(watched) for _ in range(_TIMES)]
+    what_if = [_timed(watched, f"api/maps/few/what-if/loops?loop_thr={0.3 + 0.1 * k:g}&graph=true") for k in range(5)]
+    watched.close()
+    decided = f"decision to new graph on the page, {_FEW:,} nodes, median of {_TIMES}"
+    return [
+        most(decided, round(float(np.median(spent)), 2), "s", "", 0.5),
+        most(f"LoopThr what-if, {_FEW:,} nodes, verified", round(float(np.median(what_if)), 2), "s", "", 0.2),
+    ]
+
+
+def _reject(watched: WatchedPage) -> float:
+    """Seconds from the key to the first change in the 3D view; the next loop of the queue is selected after it."""
+    page, port = watched.page, watched.port
+    page.get_by_role("table", name="Loop closures").get_by_role("row").nth(3).click()
+    page.locator("#reject:enabled").wait_for()
+    watched.quiet()
+    port.reset()
+    start = time.monotonic()
+    with page.expect_response(lambda answer: answer.url.endswith("/decisions")):
+        page.keyboard.press("r")
+    answered = time.monotonic()
+    watched.wait(lambda: any(when > answered - _LEAD_S for when in port.moments))
+    return max(answered, next(when for when in port.moments if when > answered - _LEAD_S)) - start
+
+
+def _timed(watched: WatchedPage, path: str) -> float:
+    return float(watched.page.evaluate(_FETCH, path)) / 1e3
+
+
+def _scrubbed(browser: Browser, server: Served) -> list[Figure]:
+    """The slider drawn from one end to the other."""
+    watched = WatchedPage(browser, server)
+    page, port = watched.page, watched.port
+    page.goto(f"{watched.base}#/map/few/stats")
+    page.locator('[aria-label="Update that is shown"]:enabled').wait_for()
+    watched.quiet()
+    port.reset()
+    spent = float(page.evaluate(_SCRUB, _SCRUBS)) / 1e3
+    pace = round(_updates(port.moments) / spent, 1)
+    watched.close()
+    name = f"scrubbing the timeline, {_FEW:,} nodes: updates of the 3D view"
+    return [Figure(name, pace, "1/s", "", f">= {_UPDATES_PER_S:g}", pace >= _UPDATES_PER_S)]
+
+
+def _updates(moments: list[float]) -> int:
+    """Parts of a stream that came together are one."""
+    return 1 + int((np.diff(moments) > _TOGETHER_S).sum()) if moments else 0
