@@ -187,6 +187,17 @@ class Snapshot:
         return frozenset(self.reader.nodes_with("calibration").tolist())
 
     @cached_property
+    def with_depth(self) -> frozenset[int]:
+        """Nodes that have all that a cloud takes: image, depth and camera."""
+        images, depths = self.reader.nodes_with("image"), self.reader.nodes_with("depth")
+        return frozenset(images.tolist()) & frozenset(depths.tolist()) & self.calibrated
+
+    @cached_property
+    def with_scans(self) -> frozenset[int]:
+        """Nodes that have a scan."""
+        return frozenset(self.reader.nodes_with("scan").tolist())
+
+    @cached_property
     def candidates(self) -> dict[Pair, CandidateRow]:
         """The last word about each pair that was looked at as a loop."""
         return {_pair(row.candidate.from_id, row.candidate.to_id): row for row in self.candidate_rows}

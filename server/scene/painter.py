@@ -115,8 +115,8 @@ class Painter:
         before = self._shown
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
         picture = Picture(snapshot, graph, state, ghosts if moment is None else None, moment)
-        with_images = _with_images(snapshot) if state.layers.cloud else set()
-        with_scans = snapshot.reader.nodes_with("scan").tolist() if state.layers.cloud else []
+        with_images = snapshot.with_depth if state.layers.cloud else frozenset()
+        with_scans = snapshot.with_scans if state.layers.cloud else frozenset()
         grid = snapshot.reader.grid() if state.layers.grid else None
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
@@ -184,12 +184,6 @@ class Painter:
         camera.position, camera.look_at = framing.position, framing.look_at
         camera.up, camera.fov = (0.0, 0.0, 1.0), float(FIELD_OF_VIEW)
         camera.far = max(_FAR_M, 20.0 * framing.distance)
-
-
-def _with_images(snapshot: Snapshot) -> set[int]:
-    """Nodes that have all that a cloud takes."""
-    images, depths = snapshot.reader.nodes_with("image"), snapshot.reader.nodes_with("depth")
-    return set(images.tolist()) & set(depths.tolist()) & snapshot.calibrated
 
 
 def _selection(state: Scene) -> tuple[int | None, Pair | None]:
