@@ -34,8 +34,9 @@ lint: .venv/slamdeck-dev web/node_modules
 	$(BIN)/mypy
 	PATH="$(CURDIR)/$(BIN):$$PATH" npm --prefix web run --silent check
 
+# Two tests at a time: much of the suite waits for browsers, servers and disks.
 test: lint
-	$(BIN)/pytest
+	$(BIN)/pytest -n 2 --dist worksteal
 
 bench: .venv/slamdeck-dev
 	$(BIN)/python -m tests.bench

@@ -11,7 +11,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
-from server.errors import EngineError, NotFoundError, SettingsError, UnknownMapError
+from server.errors import EngineError, NotFoundError, QueryError, SettingsError, UnknownMapError
 from server.schemas import ErrorBody, ErrorDetail
 from slam.errors import (
     DamagedRowError,
@@ -36,6 +36,7 @@ _STATUS: tuple[tuple[type[SlamError], int], ...] = (
     (SourceError, 422),
     (DatabaseError, 422),
     (SettingsError, 422),
+    (QueryError, 422),
 )
 
 #: What a route declares, so that the page's types know the shape of errors.

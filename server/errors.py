@@ -17,6 +17,10 @@ class NotFoundError(SlamError):
     """A map has no such node, link or data."""
 
 
+class QueryError(SlamError):
+    """What somebody looks for is not understood."""
+
+
 class EngineError(SlamError):
     """The engine is not there, or is not in a state for what is asked of it."""
 

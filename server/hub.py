@@ -12,7 +12,7 @@ from typing import Any
 Key = tuple[str, str | None]
 
 #: Topics that tell of a moment: whoever was not there then does not get them.
-_MOMENTS = frozenset({"selection", "decision", "weights"})
+_MOMENTS = frozenset({"selection", "decision", "weights", "trial"})
 
 
 class Mailbox:

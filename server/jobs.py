@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import Literal
 
+from server.browse.edits import link_types
 from server.browse.journal import decision_result
 from server.engine.commands import StartJob
 from server.engine.events import Ended, Event, JobTold
@@ -14,7 +15,6 @@ from server.schemas import DetectOptions, Job, RefineOptions
 from server.schemas import StartJob as StartJobBody
 from slam.edit.wishes import Detection, Refinement
 from slam.errors import SlamError
-from slam.types import LinkType
 
 #: Lines of a log that are kept.
 _LINES = 200
@@ -98,5 +98,4 @@ def _detection(options: DetectOptions) -> Detection:
 
 
 def _refinement(options: RefineOptions) -> Refinement:
-    kinds = {kind.label: kind for kind in LinkType}
-    return Refinement(**{**options.model_dump(), "types": tuple(kinds[name] for name in options.types)})
+    return Refinement(**{**options.model_dump(), "types": link_types(options.types)})

@@ -34,9 +34,10 @@ def add_slash(map_id: MapId) -> Response:
 
 
 @router.get("/viser/{map}/{path:path}")
-async def forward(request: Request, services: ServicesDep, map_id: MapId, path: str) -> Response:
+@router.get("/viser/{map}/@{viewer}/{path:path}")
+async def forward(request: Request, services: ServicesDep, map_id: MapId, path: str, viewer: str = "") -> Response:
     """A file of viser's client."""
-    port = await run_in_threadpool(lambda: services.scenes.get(services.view(map_id)).port)
+    port = await run_in_threadpool(lambda: services.scenes.shown(services.view(map_id), viewer).port)
     headers = {name: value for name, value in request.headers.items() if name.lower() in ("accept", "accept-encoding")}
     try:
         async with (
@@ -51,12 +52,14 @@ async def forward(request: Request, services: ServicesDep, map_id: MapId, path: 
     return Response(body, got.status_code, headers={**kept, "Cache-Control": "no-cache"})
 
 
+@router.websocket("/viser/{map}/@{viewer}/")
+@router.websocket("/viser/{map}/@{viewer}")
 @router.websocket("/viser/{map}/")
 @router.websocket("/viser/{map}")
-async def forward_stream(socket: WebSocket, services: ServicesDep, map_id: MapId) -> None:
+async def forward_stream(socket: WebSocket, services: ServicesDep, map_id: MapId, viewer: str = "") -> None:
     """The stream between viser's client and its server, message by message."""
     try:
-        port = await run_in_threadpool(lambda: services.scenes.get(services.view(map_id)).port)
+        port = await run_in_threadpool(lambda: services.scenes.shown(services.view(map_id), viewer).port)
     except SlamError:
         await socket.close(_GOING_AWAY)
         return

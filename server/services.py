@@ -5,14 +5,27 @@ from __future__ import annotations
 import os
 import threading
 from collections import OrderedDict
+from collections.abc import Mapping
 from typing import Any
 
-from server.browse.edits import edit_result, wanted_edit
+from server.browse.edits import edit_result, wanted_covariances, wanted_edit, wanted_prior
 from server.browse.journal import decision_result
 from server.browse.map_view import MapView
+from server.browse.parameters import parameter_set
 from server.catalog import Catalog
 from server.editors import Editors
-from server.engine.commands import CancelJob, Command, Decide, DropNodes, EditLink, LabelNode, RunJob
+from server.engine.commands import (
+    CancelJob,
+    Command,
+    Decide,
+    DropNodes,
+    EditCovariances,
+    EditLink,
+    EditPrior,
+    LabelNodes,
+    RunJob,
+    SetParams,
+)
 from server.engine.events import Ended, Event, GraphChanged, JobTold, Moved, NodeAdded
 from server.errors import EngineError, NotFoundError
 from server.hub import Hub
@@ -21,6 +34,7 @@ from server.robust import RobustWeights
 from server.runs import checked_source
 from server.scene.scenes import Scenes
 from server.schemas import (
+    Covariances,
     Decision,
     DecisionResult,
     Job,
@@ -29,18 +43,28 @@ from server.schemas import (
     LinkEditResult,
     NodeDrop,
     NodeLabel,
+    NodeLabels,
+    NodePrior,
+    ParameterSet,
     Session,
     StartJob,
     StartRun,
+    TakenOver,
+    Trial,
 )
 from server.session import RunSession
 from server.settings import Settings
+from server.trials import TrialRunner
 from server.updates import update_message
 from slam.database.file_check import is_writable
 from slam.errors import SlamError
+from slam.params import Effect as TakesEffect
+from slam.params import Value, spec
 from slam.review import Effect
+from slam.tools.parameters import taken
 
 _OPEN_MAPS = 8
+_PRIORS_IGNORED = "Optimizer/PriorsIgnored is on: the prior is stored, and moves no pose until that is switched off"
 
 
 class Services:
@@ -53,7 +77,8 @@ class Services:
         self.session = RunSession(self.hub, self._heard)
         self.editors = Editors(self._heard)
         self.jobs = Jobs(self.hub)
-        self.scenes = Scenes(self.hub)
+        self.trials = TrialRunner(self.hub, settings.scratch)
+        self.scenes = Scenes(self.hub, self.trials.ghosts)
         self.robust = RobustWeights(self.hub)
         self._views: OrderedDict[tuple[str, int], MapView] = OrderedDict()
         self._lock = threading.Lock()
@@ -92,7 +117,8 @@ class Services:
 
     async def decide(self, view: MapView, decision: Decision) -> DecisionResult:
         """Carry out a decision in the process that may write the map."""
-        command = Decide(decision.action, decision.pairs, _author(decision.author), decision.preview)
+        tried = view.tried(decision.pairs) if decision.action == "approve" else ()
+        command = Decide(decision.action, decision.pairs, _author(decision.author), decision.preview, tried)
         return self._decided(view, await self._ask(view, command))
 
     async def edit_link(self, view: MapView, edit: LinkEdit) -> LinkEditResult:
@@ -114,7 +140,29 @@ class Services:
 
     async def label_node(self, view: MapView, node_id: int, label: NodeLabel) -> DecisionResult:
         """Give a node a label, or take it away."""
-        return self._decided(view, await self._ask(view, LabelNode(node_id, label.label, _author(label.author))))
+        return await self.label_nodes(view, NodeLabels(nodes=[node_id], label=label.label, author=label.author))
+
+    async def label_nodes(self, view: MapView, labels: NodeLabels) -> DecisionResult:
+        """Give nodes a label, or take theirs away, or say what that would do."""
+        command = LabelNodes(tuple(labels.nodes), labels.label, _author(labels.author), labels.preview)
+        return self._decided(view, await self._ask(view, command))
+
+    async def edit_prior(self, view: MapView, node_id: int, prior: NodePrior) -> DecisionResult:
+        """Give a node a prior, change or remove it, or say what that would do."""
+        command = EditPrior(wanted_prior(node_id, prior, _author(prior.author)), prior.preview)
+        effect = await self._ask(view, command)
+        return self._decided(view, effect, _PRIORS_IGNORED if self.ignores_priors(view) else "")
+
+    def ignores_priors(self, view: MapView) -> bool:
+        """Whether no prior moves anything, in the engine that makes the map or by the map's own parameters."""
+        in_force = self.session.parameters_of(view.file.id)
+        values = dict(view.snapshot().params.items()) if in_force is None else in_force
+        return bool(values["Optimizer/PriorsIgnored"])
+
+    async def edit_covariances(self, view: MapView, edit: Covariances) -> DecisionResult:
+        """Give many links other covariances, or say what that would do."""
+        command = EditCovariances(wanted_covariances(edit, _author(edit.author)), edit.preview)
+        return self._decided(view, await self._ask(view, command))
 
     async def start_job(self, view: MapView, body: StartJob) -> Job:
         """Begin long work on a map."""
@@ -132,6 +180,51 @@ class Services:
         await self._ask(view, CancelJob(self.jobs.running(view.file.id).id))
         return JobStatus(job=self.jobs.of(view.file.id))
 
+    def parameters(self, view: MapView) -> ParameterSet:
+        """All parameters: as the engine has them while it runs, else as the file has them."""
+        snapshot = view.snapshot()
+        in_force = self.session.parameters_of(view.file.id)
+        values = dict(snapshot.params.items()) if in_force is None else in_force
+        return parameter_set(values, snapshot.parameter_texts, live=in_force is not None)
+
+    async def change_parameters(self, view: MapView, changes: Mapping[str, Value]) -> ParameterSet:
+        """Change parameters of the engine that runs, else those of the file, with which its next session starts."""
+        if self.session.live_map == view.file.id:
+            await self.session.set_parameters(view.file.id, changes)
+        else:
+            await self._ask(view, SetParams(changes))
+            # What decides from now on goes by the new ones.
+            await self.editors.release(view.file)
+            self._graph_changed(view.file.id)
+        answer = self.parameters(view)
+        named = {one.name: one.value for one in answer.parameters if one.name in changes}
+        self.hub.publish("parameters", view.file.id, named)
+        return answer
+
+    def start_trial(self, view: MapView, changes: Mapping[str, Value]) -> Trial:
+        """Try parameters on a map, beside those that are in force."""
+        said = taken(view.reader).params
+        in_force = self.session.parameters_of(view.file.id) or dict(view.snapshot().params.items())
+        base = {name: value for name, value in in_force.items() if value != said.get(name)}
+        return self.trials.start(view, changes, base)
+
+    async def take_over(self, view: MapView, number: int) -> TakenOver:
+        """Give a map the parameters of a trial; a running engine those that can change while it maps."""
+        changes = {one.name: one.value for one in self.trials.outcome(view, number).trial.changes}
+        live = self.session.live_map == view.file.id
+        left = [name for name in changes if live and spec(name).effect is not TakesEffect.LIVE]
+        applied = {name: value for name, value in changes.items() if name not in left}
+        if not applied:
+            raise EngineError(f"{left[0]} takes effect with the {spec(left[0]).effect.value}: stop the run first")
+        answer = await self.change_parameters(view, applied)
+        return TakenOver(parameters=answer, applied=sorted(applied), left=left)
+
+    def keep_trial(self, view: MapView, number: int, name: str) -> str:
+        """Make a map file of a trial; the id of the new map."""
+        path = self.catalog.new_path(name)
+        self.trials.keep(view, number, path)
+        return next(file.id for file in self.catalog.files() if file.path == path)
+
     async def _ask(self, view: MapView, command: Command) -> Any:
         """Ask the process that may write a map."""
         if self.session.live_map == view.file.id:
@@ -142,11 +235,11 @@ class Services:
             )
         return await self.editors.request(view.file, command)
 
-    def _decided(self, view: MapView, effect: Effect) -> DecisionResult:
+    def _decided(self, view: MapView, effect: Effect, note: str = "") -> DecisionResult:
         """What a decision did; everybody is told."""
         if effect.preview:
-            return decision_result(effect, None)
-        result = decision_result(effect, self._graph_changed(view.file.id))
+            return decision_result(effect, None, note)
+        result = decision_result(effect, self._graph_changed(view.file.id), note)
         self.hub.publish("decision", view.file.id, result.model_dump(by_alias=True))
         return result
 
@@ -156,6 +249,7 @@ class Services:
         await self.editors.close()
         self.scenes.close()
         self.robust.close()
+        self.trials.close()
 
     def _heard(self, map_id: str, event: Event) -> None:
         """An engine told something about a map."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import os
 import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,6 +14,12 @@ from server.errors import SettingsError
 def new_token() -> str:
     """A token that nobody guesses."""
     return secrets.token_urlsafe(24)
+
+
+def cache_folder() -> Path:
+    """Where this user's programs keep what can be made again: ``$XDG_CACHE_HOME`` or ``~/.cache``."""
+    named = os.environ.get("XDG_CACHE_HOME", "")
+    return (Path(named) if Path(named).is_absolute() else Path.home() / ".cache") / "slamdeck"
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +33,7 @@ class Settings:
         port: 0 takes a free one.
         token: what lets a browser in; None lets everybody in, on a loopback address only.
         hosts: further names under which the server is reached (behind a reverse proxy).
+        scratch: folder for trials of parameters, which stay there until people discard them.
     """
 
     roots: tuple[Path, ...]
@@ -34,6 +42,7 @@ class Settings:
     port: int = 8700
     token: str | None = field(default_factory=new_token)
     hosts: tuple[str, ...] = ()
+    scratch: Path = field(default_factory=lambda: cache_folder() / "trials")
 
     def __post_init__(self) -> None:
         if self.token is None and not is_loopback(self.host):

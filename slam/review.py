@@ -19,7 +19,7 @@ from slam.graph.optimizer import chi2
 from slam.graph.shift import Shift, Snapshot
 from slam.history import History, Step
 from slam.params import Params
-from slam.types import Candidate, Link
+from slam.types import Candidate, Link, LinkType
 from slam.verdicts import Rows, Verdict, approval, ordered, redoing, rejection, undoing
 
 #: Poses (id -> T_map_base) -> absolute trajectory error in metres, None without ground truth.
@@ -118,13 +118,22 @@ class Review:
     """
 
     def __init__(
-        self, graph: PoseGraph, writer: DecisionWriter, reader: DecisionReader, params: Params, ate: Ate | None = None
+        self,
+        graph: PoseGraph,
+        writer: DecisionWriter,
+        reader: DecisionReader,
+        params: Params,
+        ate: Ate | None = None,
+        *,
+        nodes_stay: bool = False,
     ) -> None:
         self.graph = graph
         self.params = params
         self._writer = writer
         self._reader = reader
         self._ate = ate
+        # While a map is made its engine's memory holds the nodes: none comes or goes, by undo or redo neither.
+        self._nodes_stay = nodes_stay
         self._history = History(reader.journal())
 
     def approve(self, from_id: int, to_id: int, author: str = "") -> Effect:
@@ -144,7 +153,13 @@ class Review:
         return self.decide("reject", [(from_id, to_id)], author)
 
     def decide(
-        self, action: Verdict, loops: Sequence[tuple[int, int]], author: str = "", *, preview: bool = False
+        self,
+        action: Verdict,
+        loops: Sequence[tuple[int, int]],
+        author: str = "",
+        *,
+        preview: bool = False,
+        tried: Sequence[Candidate] = (),
     ) -> Effect:
         """Approve or reject several loops together: one optimisation, one transaction, and one undo takes all back.
 
@@ -153,11 +168,14 @@ class Review:
             loops: both ids of each, in any order; those that it can't be said of are left out, and named in the effect.
             author: who decides.
             preview: only work out what it would do; nothing is changed or written.
+            tried: loops that were looked at elsewhere: where the map knows nothing of theirs they are kept with it.
 
         Raises:
             DecisionError: it can't be said of any of them, or there is no solution.
         """
-        entries, refused, rows = [], [], self._looked_at()
+        entries, refused, rows = [], [], dict(self._looked_at())
+        new = [one for one in tried if ordered(one.from_id, one.to_id) not in rows]
+        rows |= {ordered(one.from_id, one.to_id): [one] for one in new}
         verdict = {"approve": approval, "reject": rejection}[action]
         for ids in {ordered(*ids): ids for ids in loops}.values():
             try:
@@ -166,7 +184,9 @@ class Review:
                 refused.append(Unsaid(*ids, str(error)))
         if not entries:
             raise DecisionError(_nothing(action, refused))
-        return self._carry_out(entries, refused=tuple(refused), preview=preview)
+        said = {entry.pair for entry in entries}
+        kept = [one for one in new if ordered(one.from_id, one.to_id) in said]
+        return self._carry_out(entries, refused=tuple(refused), preview=preview, candidates=kept)
 
     def change(
         self, entries: Sequence[JournalEntry], *, candidates: Sequence[Candidate] = (), preview: bool = False
@@ -224,6 +244,11 @@ class Review:
         candidates: Sequence[Candidate] = (),
     ) -> Effect:
         """Change graph, file and history, all or none; a preview changes none of them."""
+        if self._nodes_stay and any(_nodes(entries)):
+            raise DecisionError(
+                f"{entries[0].action} {_named(entries)} would move nodes in or out of the map, which the engine that"
+                " makes it holds in its memory: stop the run first"
+            )
         poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
         known = step.there if step is not None and step.here is not None and step.here.same(poses) else None
         was = self._chi2(), self._ate_at(poses)
@@ -249,8 +274,18 @@ class Review:
         (add, remove), (restore, drop) = _links(entries), _nodes(entries)
         if not (add or remove or restore or drop):
             return nullcontext(0)
-        pairs = [link.pair for link in remove]
-        return exchanged(self.graph, pairs, add, self.params, there, keep=keep, drop=drop, restore=restore)
+        return exchanged(
+            self.graph,
+            [link.pair for link in remove if _joins(link)],
+            [link for link in add if _joins(link)],
+            self.params,
+            there,
+            keep=keep,
+            drop=drop,
+            restore=restore,
+            release=[link for link in remove if not _joins(link)],
+            hold=[link for link in add if not _joins(link)],
+        )
 
     def _write(self, entries: Sequence[JournalEntry], candidates: Sequence[Candidate]) -> list[JournalEntry]:
         (add, remove), (restore, drop) = _links(entries), _nodes(entries)
@@ -283,8 +318,18 @@ def _nothing(action: Verdict, refused: Sequence[Unsaid]) -> str:
 
 def _links(entries: Sequence[JournalEntry]) -> tuple[list[Link], list[Link]]:
     """Links that these entries put into the graph, and those that they take out."""
-    changes = [(e.link_before, e.link_after) for e in entries if not _same(e.link_before, e.link_after)]
-    return [after for _, after in changes if after], [before for before, _ in changes if before]
+    changes = [e for e in entries if _is_prior(e) or not _same(e.link_before, e.link_after)]
+    return [e.link_after for e in changes if e.link_after], [e.link_before for e in changes if e.link_before]
+
+
+def _is_prior(entry: JournalEntry) -> bool:
+    """A prior that is given again as it was is one that parameters have let in: the poses must follow."""
+    return any(k is not None and k.type is LinkType.POSE_PRIOR for k in (entry.link_before, entry.link_after))
+
+
+def _joins(link: Link) -> bool:
+    """Whether a link is one of two nodes, and no prior or sighting of a landmark."""
+    return link.to_id > 0 and link.from_id != link.to_id
 
 
 def _same(a: Link | None, b: Link | None) -> bool:

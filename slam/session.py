@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
-from slam.errors import ParameterError
 from slam.features.dictionary_file import open_dictionary
 from slam.graph.graph import PoseGraph
 from slam.loop.closing import LoopCloser
@@ -19,7 +18,7 @@ from slam.memory.tiers import Tiers
 from slam.motion import Motion
 from slam.node_maker import NodeMaker
 from slam.odometry.strategy import Tracker, make_tracker
-from slam.params import Effect, Params, Value, spec
+from slam.params import Params, Value, require_live
 from slam.recorder import Recorder
 from slam.tracked import TrackedFrames
 from slam.types import Frame, Node, TrackedFrame
@@ -88,9 +87,7 @@ class Session:
             ParameterError: unknown, out of bounds, or not one that can change while mapping.
         """
         params = self.params.changed(changes)
-        for name in changes:
-            if spec(name).effect is not Effect.LIVE:
-                raise ParameterError(f"{name} takes effect with the {spec(name).effect.value}, not while mapping")
+        require_live(changes, "while mapping")
         self.params = params
         self._recorder.params_changed(self._maker.newest_id, changes, params)
         return params
@@ -100,6 +97,10 @@ class Session:
         self._tiers.restrict()
         self._grid.move(self.graph.poses)
         self._recorder.save_grid()
+
+    def keep(self, node_ids: Iterable[int]) -> None:
+        """Somebody labelled these nodes: with ``Mem/ReduceGraph`` they never become part of others."""
+        self._tiers.labelled.update(node_ids)
 
     def ate_m(self) -> float | None:
         """Absolute trajectory error of all tracked frames, SE(3)-aligned, metres; None without ground truth."""

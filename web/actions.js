@@ -4,6 +4,7 @@ import { patch, post } from "./api.js";
 import { remembered } from "./prefs.js";
 import { graphRevision, loadInfo, parameters, scene } from "./store.js";
 import { openMapId } from "./router.js";
+import { viewer } from "./viewer.js";
 
 /** @typedef {import("./types/http").Schemas} Schemas */
 /** @typedef {{id: number, kind: "bad" | "good", text: string}} Toast */
@@ -59,8 +60,14 @@ export const startRun = (run) => told(post("/api/session", { body: run }));
 export async function setScene(change) {
   const map = openMapId.value;
   if (!map) return;
-  const answer = await told(patch("/api/scene/{map}", { path: { map }, body: change }));
+  const answer = await told(patch("/api/scene/{map}", { path: { map }, query: { viewer }, body: change }));
   if (answer && map === openMapId.value) scene.value = answer;
+}
+
+/** Bring the camera of the 3D view to the selected node. */
+export async function lookAtSelected() {
+  const map = openMapId.value;
+  if (map) await told(post("/api/scene/{map}/look", { path: { map }, query: { viewer }, body: undefined }));
 }
 
 /** @param {Record<string, boolean | number | string>} changes */
@@ -89,11 +96,46 @@ export async function decide(decision) {
   return answer;
 }
 
-/** What a decision would do. @param {Decision} decision @param {AbortSignal} signal */
-export function foreseeDecision(decision, signal) {
+/**
+ * Something that can be asked for twice: what it would do, and then to do it.
+ * @typedef {object} Ask
+ * @property {(signal: AbortSignal) => Promise<Schemas["DecisionResult"]>} foresee
+ * @property {() => Promise<Schemas["DecisionResult"] | null>} carryOut
+ */
+
+/** @param {Decision} decision @returns {Ask} */
+export function decisionAsk(decision) {
   const map = /** @type {string} */ (openMapId.value);
-  return post("/api/maps/{map}/decisions", { path: { map }, body: { ...decision, author: "", preview: true }, signal });
+  return {
+    foresee: (signal) => post("/api/maps/{map}/decisions", { path: { map }, body: { ...decision, author: "", preview: true }, signal }),
+    carryOut: () => decide(decision),
+  };
 }
+
+/**
+ * An edit of many nodes or links, or of a prior.
+ * @param {(path: {map: string}, body: {author: string, preview: boolean}, signal?: AbortSignal) => Promise<Schemas["DecisionResult"]>} send
+ * @returns {Ask}
+ */
+function editAsk(send) {
+  const map = /** @type {string} */ (openMapId.value);
+  return {
+    foresee: (signal) => send({ map }, { author: "", preview: true }, signal),
+    carryOut: () => told(alone(map, send({ map }, { author: author.value.trim(), preview: false }), (made) => made)),
+  };
+}
+
+/** Take nodes out of the map. @param {number[]} nodes */
+export const dropAsk = (nodes) => editAsk((path, body, signal) => post("/api/maps/{map}/nodes/drop", { path, body: { nodes, ...body }, signal }));
+
+/** Give nodes a label, numbered where they are several; empty takes theirs away. @param {number[]} nodes @param {string} label */
+export const labelAsk = (nodes, label) => editAsk((path, body, signal) => post("/api/maps/{map}/nodes/label", { path, body: { nodes, label, ...body }, signal }));
+
+/** Other covariances for many links. @param {Omit<Schemas["Covariances"], "author" | "preview">} wanted */
+export const covarianceAsk = (wanted) => editAsk((path, body, signal) => post("/api/maps/{map}/links/covariances", { path, body: { ...wanted, ...body }, signal }));
+
+/** A node's prior; null takes it away. @param {number} id @param {{transform: number[] | null, sigmas: number[] | null}} prior */
+export const priorAsk = (id, prior) => editAsk(({ map }, body, signal) => post("/api/maps/{map}/nodes/{node_id}/prior", { path: { map, node_id: id }, body: { ...prior, ...body }, signal }));
 
 /**
  * A decision that has its own place; its answer is the last decision then.
@@ -140,13 +182,4 @@ export async function labelNode(id, label) {
   if (!map) return null;
   const body = { label, author: author.value.trim() };
   return told(alone(map, post("/api/maps/{map}/nodes/{node_id}/label", { path: { map, node_id: id }, body }), (made) => made));
-}
-
-/** Take nodes out of the map, or see what that would do. @param {number[]} nodes @param {boolean} preview */
-export async function dropNodes(nodes, preview) {
-  const map = openMapId.value;
-  if (!map) return null;
-  const body = { nodes, author: author.value.trim(), preview };
-  const work = post("/api/maps/{map}/nodes/drop", { path: { map }, body });
-  return told(preview ? work : alone(map, work, (made) => made));
 }

@@ -20,6 +20,7 @@ import { startLanding } from "./landing.js";
 import { startMoment } from "./moment.js";
 import { startPicking } from "./picking.js";
 import { startStore } from "./store.js";
+import { startTrials } from "./trials.js";
 import { startTheme } from "./theme.js";
 import { startWeights } from "./weights.js";
 import { Loops } from "./views/loops.js";
@@ -67,6 +68,7 @@ function Middle() {
 startTheme();
 startRouter();
 startStore();
+startTrials();
 startMoment();
 startLanding();
 startPicking();

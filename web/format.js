@@ -68,6 +68,15 @@ export function clock(seconds) {
   return new Date(seconds * 1000).toISOString().slice(11, 19);
 }
 
+/** Stamps before this, in seconds, count from some other beginning than 1970. */
+const FIRST_SECOND = 1e8;
+
+/** The day of a stamp. @param {Maybe} seconds since 1970 */
+export function day(seconds) {
+  if (seconds === null || seconds === undefined || !(seconds >= FIRST_SECOND && seconds <= LAST_SECOND)) return NONE;
+  return new Date(seconds * 1000).toISOString().slice(0, 10);
+}
+
 /** @param {number} count @param {string} one @param {string} [many] */
 export function plural(count, one, many = `${one}s`) {
   return `${whole(count)} ${count === 1 ? one : many}`;

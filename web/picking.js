@@ -3,9 +3,11 @@ import { effect, signal } from "@preact/signals";
 import { setScene } from "./actions.js";
 import { on } from "./events.js";
 import { latest } from "./latest.js";
+import { pickNode } from "./pair.js";
 import { go, openMapId, route } from "./router.js";
 import { selection } from "./store.js";
 import { pickEnd } from "./parts/link_tool.js";
+import { viewer } from "./viewer.js";
 
 /** @typedef {{kind: "node" | "link", ids: number[]}} Picked */
 
@@ -15,7 +17,7 @@ export const hovered = signal(null);
 const mark = latest(setScene);
 
 export function startPicking() {
-  on("selection", (value, map) => map === openMapId.value && show(value));
+  on("selection", (value, map) => map === openMapId.value && (!value.viewer || value.viewer === viewer) && show(value));
   let marked = false;
   effect(() => {
     const now = hovered.value === null ? selection.value : { kind: /** @type {const} */ ("node"), id: hovered.value };
@@ -29,7 +31,7 @@ function show({ kind, ids }) {
   // The keys of the inspector work at once, without a click into the page.
   if (document.activeElement instanceof HTMLIFrameElement) document.activeElement.blur();
   if (kind === "node" && route.value.view === "loops" && route.value.query.get("tab") === "link") pickEnd(ids[0]);
-  else if (kind === "node") go({ view: "nodes", key: ids[0], query: Object.fromEntries(route.value.query) });
+  else if (kind === "node") pickNode(ids[0]);
   else go({ view: "loops", key: ids.join("-") });
 }
 

@@ -4,6 +4,7 @@ import { get } from "./api.js";
 import { Columns } from "./columns.js";
 import { on, openings } from "./events.js";
 import { openMapId, route } from "./router.js";
+import { viewer } from "./viewer.js";
 
 /** @typedef {import("./types/http").Schemas} Schemas */
 /** @typedef {{kind: "node", id: number} | {kind: "link", from: number, to: number}} Selection */
@@ -79,7 +80,7 @@ async function loadSession() {
 async function loadScene() {
   const map = openMapId.value;
   if (!map) return;
-  const found = await get("/api/scene/{map}", { path: { map } }).catch(() => null);
+  const found = await get("/api/scene/{map}", { path: { map }, query: { viewer } }).catch(() => null);
   if (map === openMapId.value && found) scene.value = found;
 }
 
@@ -125,11 +126,13 @@ function refresh() {
 }
 
 function followRoute() {
-  const { view, key } = route.value;
+  const { view, key, query } = route.value;
   if (!key) return;
   const ids = key.split("-").map(Number);
   if (ids.some((id) => !Number.isInteger(id))) return;
-  if (view === "nodes" && ids.length === 1) selection.value = { kind: "node", id: ids[0] };
+  const beside = view === "nodes" ? Number(query.get("b")) : 0;
+  if (Number.isInteger(beside) && beside > 0 && beside !== ids[0]) selection.value = { kind: "link", from: ids[0], to: beside };
+  else if (view === "nodes" && ids.length === 1) selection.value = { kind: "node", id: ids[0] };
   if (view === "loops" && ids.length === 2) selection.value = { kind: "link", from: ids[0], to: ids[1] };
 }
 

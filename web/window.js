@@ -7,6 +7,10 @@ import { get } from "./api.js";
 /** @typedef {NonNullable<NonNullable<NodeQuery>["order"]>} NodeOrder */
 
 const PAGE = 100;
+/** Most rows of one answer. */
+const AT_ONCE = 500;
+/** Weight of nodes that left the map: nothing can be done to them. */
+const DROPPED = -9;
 
 export class Window {
   /** @param {string} map */
@@ -15,6 +19,9 @@ export class Window {
     this.order = /** @type {NodeOrder} */ ("id");
     this.query = "";
     this.dropped = false;
+    /** The node whose row is wanted, and that row; null where it is not in the table. */
+    this.wanted = 0;
+    this.row = /** @type {number | null} */ (null);
     this.total = 0;
     this.loaded = false;
     /** @type {Error | null} */
@@ -74,16 +81,52 @@ export class Window {
     return -1;
   }
 
+  /** Learn the row of a node that may not be here yet. @param {number} id */
+  seek(id) {
+    this.wanted = id;
+    this.row = null;
+    if (this.loaded && this.find(id) < 0) void this.#fetch(Math.floor(this.first / PAGE));
+  }
+
+  /** Index of the node that was sought, -1 while it isn't known and where it is not in the table. */
+  sought() {
+    const here = this.find(this.wanted);
+    return here >= 0 ? here : (this.row ?? -1);
+  }
+
+  /** Ids of the rows of a range, whether they are here or not. @param {number} first @param {number} last */
+  async ids(first, last) {
+    const ids = [];
+    for (let offset = first; offset < last; offset += AT_ONCE) {
+      const query = { offset, limit: Math.min(AT_ONCE, last - offset), order: this.order, q: this.query, dropped: this.dropped };
+      const found = await get("/api/maps/{map}/nodes", { path: { map: this.map }, query });
+      ids.push(...found.nodes.filter(({ weight }) => weight !== DROPPED).map(({ id }) => id));
+    }
+    return ids;
+  }
+
+  /** Ids from one to another, whatever the filter shows. @param {number} first @param {number} last */
+  async stretch(first, last) {
+    const all = new Window(this.map);
+    return (await all.ids(0, (await all.count()))).filter((id) => id >= first && id <= last);
+  }
+
+  /** How many nodes the map has. */
+  async count() {
+    return (await get("/api/maps/{map}/nodes", { path: { map: this.map }, query: { limit: 1 } })).total;
+  }
+
   /** @param {number} page */
   async #fetch(page) {
     this.asked.add(page);
     this.underway += 1;
     const generation = this.generation;
-    const query = { offset: page * PAGE, limit: PAGE, order: this.order, q: this.query, dropped: this.dropped };
+    const query = { offset: page * PAGE, limit: PAGE, order: this.order, q: this.query, dropped: this.dropped, find: this.wanted || undefined };
     try {
       const found = await get("/api/maps/{map}/nodes", { path: { map: this.map }, query });
       if (generation !== this.generation) return;
       this.total = found.total;
+      if (query.find === this.wanted) this.row = found.at;
       this.pages.set(page, found.nodes);
       this.error = null;
     } catch (error) {

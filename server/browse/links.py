@@ -5,16 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from server.browse.columns import number, pose_list
 from server.browse.explain import explain
+from server.browse.link_noise import link_covariance, link_sigmas
+from server.browse.link_walk import link_walk
 from server.browse.loops import doubt, evidence, loop_state, reason, rival
+from server.browse.sensors import user_data_facts
 from server.browse.snapshot import Pair, Snapshot
 from server.errors import NotFoundError
 from server.schemas import LinkDetail
-from slam.geometry import Array, rotation_angle, translation_norm
+from slam.database.sensor_values import text_in
+from slam.errors import DatabaseError
+from slam.geometry import between, rotation_angle, translation_norm
 from slam.graph.optimizer import chi2
-from slam.types import UNKNOWN_VARIANCE, Candidate, Link
+from slam.types import Candidate, Link
 
 
 def link_detail(
@@ -34,7 +40,11 @@ def link_detail(
     if link is None:
         raise NotFoundError(f"nodes {from_id} and {to_id} are not linked, and no loop between them was looked at")
     T_from_to = link.T_from_to
-    sigmas = _sigmas(link.information) if T_from_to is not None else None
+    sigmas = link_sigmas(link.information) if T_from_to is not None else None
+    ends = [snapshot.poses.get(node_id) for node_id in (link.from_id, link.to_id)]
+    optimized = None if ends[0] is None or ends[1] is None else between(ends[0], ends[1])
+    off = None if optimized is None or T_from_to is None else between(T_from_to, optimized)
+    attached, problem = _attached(snapshot, pair)
     return LinkDetail(
         from_=link.from_id,
         to=link.to_id,
@@ -54,9 +64,17 @@ def link_detail(
         matches=None if candidate is None else evidence(candidate.matches),
         reason=None if candidate is None else reason(candidate.refusal),
         look_alike=rival(snapshot, pair),
-        covariance=None if T_from_to is None else _covariance(link.information),
+        covariance=None if T_from_to is None else link_covariance(link.information),
         update=_update(snapshot, pair, candidate),
         explanation=explain(snapshot, pair, link, candidate),
+        optimized=pose_list(optimized),
+        off=pose_list(off),
+        off_m=None if off is None else translation_norm(off),
+        off_deg=None if off is None else float(np.degrees(rotation_angle(off))),
+        merged_scans=_merged_scans(attached),
+        user_data=user_data_facts(attached),
+        problem=problem,
+        walk=link_walk(snapshot, pair, link.type),
     )
 
 
@@ -83,21 +101,18 @@ def _removed(snapshot: Snapshot, pair: Pair) -> Link | None:
     return None if entry is None else entry.link_before
 
 
-def _sigmas(information: Array) -> Array | None:
-    """Standard deviations (6,) in metres and radians; None when the matrix says nothing."""
-    if np.linalg.matrix_rank(information) < 6:
-        return None
-    variances = np.diagonal(np.linalg.inv(information))
-    if not (variances > 0).all():
-        return None
-    return np.sqrt(np.minimum(variances, UNKNOWN_VARIANCE))
+def _attached(snapshot: Snapshot, pair: Pair) -> tuple[NDArray[np.generic] | None, str]:
+    """User data of the link, or why they can't be read: the rest of the link can be looked at all the same."""
+    try:
+        return snapshot.reader.link_user_data(*pair), ""
+    except DatabaseError as error:
+        return None, f"user data: {error}"
 
 
-def _covariance(information: Array) -> list[list[float]] | None:
-    """The whole matrix; None when it says nothing about an axis."""
-    if np.linalg.matrix_rank(information) < 6:
-        return None
-    return [[float(value) for value in row] for row in np.linalg.inv(information)]
+def _merged_scans(attached: NDArray[np.generic] | None) -> list[int]:
+    """Nodes that a link of merged scans names, as RTAB-Map writes them: ``SCANS:12;13;14``."""
+    name, _, ids = (text_in(attached) or "").partition(":")
+    return [int(part) for part in ids.split(";") if part.strip().isdigit()] if name == "SCANS" else []
 
 
 def _update(snapshot: Snapshot, pair: Pair, candidate: Candidate | None) -> int | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from server.browse.beliefs import BeliefLog
 from server.browse.increments import Increments
 from server.browse.moves import Move, moves_of_states
+from server.browse.pixels import Pixels
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
 from server.browse.tiers import TierLog
@@ -19,6 +20,7 @@ from server.browse.trials import LoopTrials
 from server.browse.what_if import WhatIfs
 from server.catalog import MapFile
 from slam.database import Faults, MapReader, StatisticsTable
+from slam.types import Candidate
 
 Fingerprint = tuple[tuple[int, int], ...]
 
@@ -32,6 +34,7 @@ class MapView:
         increments: what changed in the graph since which revision.
         statistics: of its updates.
         trials: what the images say of loops that were never tried.
+        pixels: depth of single pixels.
         what_ifs: what another ``Rtabmap/LoopThr`` would mean.
     """
 
@@ -41,6 +44,7 @@ class MapView:
         self.increments = Increments()
         self.statistics = StatisticsLog(self.reader)
         self.trials = LoopTrials(self.reader)
+        self.pixels = Pixels(self.reader)
         self.what_ifs = WhatIfs(self)
         self._tiers = TierLog(self.reader)
         self._beliefs = BeliefLog(self.reader)
@@ -69,6 +73,11 @@ class MapView:
             )
             self._print = now
             return self._snapshot
+
+    def tried(self, pairs: Iterable[tuple[int, int]]) -> tuple[Candidate, ...]:
+        """Those of these loops that only the what-if has looked at."""
+        done, wanted = self.trials.done(self.snapshot().params), {(min(pair), max(pair)) for pair in pairs}
+        return tuple(candidate for pair, candidate in done.items() if pair in wanted)
 
     def timeline(self) -> Timeline:
         """The updates that led to what the file holds now."""

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from server.browse.columns import number_list, pose_list
 from server.browse.faults import row_faults
 from server.browse.journal import journal_entry
+from server.browse.link_noise import link_sigmas
 from server.browse.map_view import MapView
+from server.browse.search import matching
 from server.browse.sensors import node_sensors
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import values_at
 from server.errors import NotFoundError
-from server.schemas import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow
+from server.schemas import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow, PixelDepth
 from slam.camera import Camera
 from slam.database import Fault, Faults, NodeTable
 from slam.errors import DamagedRowError, DatabaseError
@@ -27,10 +29,22 @@ from slam.types import Link, Tier
 NodeOrder = Literal["id", "-id", "weight", "-weight", "stamp", "-stamp"]
 
 
-def page(view: MapView, *, offset: int, limit: int, order: NodeOrder, query: str, dropped: bool = False) -> NodePage:
-    """Some rows of the node table: those whose id or label holds the text, in an order.
+def page(
+    view: MapView,
+    *,
+    offset: int,
+    limit: int,
+    order: NodeOrder,
+    query: str,
+    dropped: bool = False,
+    find: int | None = None,
+) -> NodePage:
+    """Some rows of the node table: those that fit the query, in an order, and the row of the node to ``find``.
 
     With ``dropped`` merged and dropped nodes (weight -9) are among them, which are no part of the map.
+
+    Raises:
+        QueryError: the query is not understood.
     """
     snapshot = view.snapshot()
     table = snapshot.all_nodes if dropped else snapshot.nodes
@@ -38,21 +52,21 @@ def page(view: MapView, *, offset: int, limit: int, order: NodeOrder, query: str
     rows = np.argsort(keys[order.removeprefix("-")], kind="stable")
     if order.startswith("-"):
         rows = rows[::-1]
-    wanted = query.strip().lower()
-    if wanted:
-        rows = np.array([row for row in rows if wanted in f"{table.ids[row]} {table.labels[row] or ''}".lower()], int)
+    if query.strip():
+        rows = rows[matching(snapshot, table, query)[rows]]
     shown = rows[offset : offset + limit].tolist()
     words = _words(view, table.ids[shown].tolist())
-    return NodePage(total=len(rows), nodes=[_row(snapshot, table, row, words) for row in shown])
+    at = np.flatnonzero(table.ids[rows] == find)
+    return NodePage(
+        total=len(rows), at=int(at[0]) if len(at) else None, nodes=[_row(snapshot, table, row, words) for row in shown]
+    )
 
 
 def detail(view: MapView, node_id: int) -> NodeDetail:
     """One node in full, also a dropped one; raises NotFoundError when the file has none of this id."""
     snapshot = view.snapshot()
     table = snapshot.all_nodes
-    row = int(np.searchsorted(table.ids, node_id))
-    if row == len(table) or table.ids[row] != node_id:
-        require_node(snapshot, node_id)
+    row = require_known(snapshot, node_id)
     node = view.reader.node(node_id)
     true = None if node.T_world_base is None else snapshot.T_map_world @ node.T_world_base
     linked = sorted(snapshot.links_at.get(node_id, []), key=lambda link: (link.type, link.pair))
@@ -70,7 +84,11 @@ def detail(view: MapView, node_id: int) -> NodeDetail:
         cameras=cameras,
         sensors=sensors,
         features=node.features,
-        links=[_link(link) for link in linked],
+        session_index=int((table.map_ids[: row + 1] == table.map_ids[row]).sum()),
+        session_nodes=int((table.map_ids == table.map_ids[row]).sum()),
+        image_bytes=node.image_bytes,
+        depth_bytes=node.depth_bytes,
+        links=[node_link(link) for link in linked],
         statistics=measured,
         has_image=node.image_bytes > 0,
         has_depth=node.depth_bytes > 0 and not right,
@@ -102,6 +120,22 @@ def require_node(snapshot: Snapshot, node_id: int) -> None:
         raise NotFoundError(f"the map has no node {node_id}: {range_}")
 
 
+def require_known(snapshot: Snapshot, node_id: int) -> int:
+    """Its row in ``all_nodes``; raises NotFoundError when the file has no such node, not even a dropped one."""
+    ids = snapshot.all_nodes.ids
+    row = int(np.searchsorted(ids, node_id))
+    if row == len(ids) or ids[row] != node_id:
+        require_node(snapshot, node_id)
+    return row
+
+
+def pixel(view: MapView, node_id: int, x: float, y: float) -> PixelDepth:
+    """What is at a place of a node's image; x and y from 0 to 1 across the whole of it."""
+    snapshot = view.snapshot()
+    require_known(snapshot, node_id)
+    return view.pixels.at(node_id, x, y, snapshot.poses.get(node_id), snapshot.revision)
+
+
 def camera_of(view: MapView, node_id: int) -> Camera | None:
     """Camera of a node; None where the file has no calibration for it; DatabaseError where that is damaged."""
     if not view.reader.node(node_id).calibration_bytes:
@@ -128,9 +162,19 @@ def _row(snapshot: Snapshot, table: NodeTable, row: int, words: Mapping[int, int
     )
 
 
-def _link(link: Link) -> NodeLink:
-    length = None if link.T_from_to is None else translation_norm(link.T_from_to)
-    return NodeLink(from_=link.from_id, to=link.to_id, type=link.type.label, translation_m=length)
+def node_link(link: Link) -> NodeLink:
+    """A link as one of its nodes lists it."""
+    T_from_to = link.T_from_to
+    sigmas = None if T_from_to is None else link_sigmas(link.information)
+    return NodeLink(
+        from_=link.from_id,
+        to=link.to_id,
+        type=link.type.label,
+        translation_m=None if T_from_to is None else translation_norm(T_from_to),
+        transform=pose_list(T_from_to),
+        sigma_m=None if sigmas is None else float(sigmas[:3].max()),
+        sigma_deg=None if sigmas is None else float(np.degrees(sigmas[3:].max())),
+    )
 
 
 def _cameras(view: MapView, node_id: int, faults: Faults) -> list[CameraModel]:
@@ -144,7 +188,16 @@ def _cameras(view: MapView, node_id: int, faults: Faults) -> list[CameraModel]:
         return []
     pairs = zip(cameras, baselines or [None] * len(cameras), strict=True)
     return [
-        CameraModel(width=c.width, height=c.height, fx=c.fx, fy=c.fy, cx=c.cx, cy=c.cy, baseline_m=baseline)
+        CameraModel(
+            width=c.width,
+            height=c.height,
+            fx=c.fx,
+            fy=c.fy,
+            cx=c.cx,
+            cy=c.cy,
+            mount=pose_list(c.T_base_cam),
+            baseline_m=baseline,
+        )
         for c, baseline in pairs
     ]
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+from typing import Literal
+
 import cv2
 import numpy as np
 
@@ -11,6 +14,9 @@ from slam.database.images import decode_color
 
 _PREVIEW_WIDTH, _PREVIEW_HEIGHT = 320, 1280
 _PNG = b"\x89PNG"
+DepthColours = Literal["turbo", "viridis", "jet", "gray"]
+_MAPS = MappingProxyType({"turbo": cv2.COLORMAP_TURBO, "viridis": cv2.COLORMAP_VIRIDIS, "jet": cv2.COLORMAP_JET})
+_LEAST_SPAN_M = 0.01
 
 
 def stored_image(view: MapView, node_id: int) -> tuple[bytes, str]:
@@ -38,12 +44,17 @@ def preview(view: MapView) -> bytes:
     return bytes(cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 82])[1])
 
 
-def coloured_depth(view: MapView, node_id: int, max_m: float) -> bytes:
-    """Depth as a PNG from blue (near) to red (``max_m`` metres and farther), transparent where unknown."""
+def coloured_depth(view: MapView, node_id: int, min_m: float, max_m: float, colours: DepthColours = "turbo") -> bytes:
+    """Depth as a PNG from ``min_m`` (blue, black) to ``max_m`` metres (red, white), transparent where unknown.
+
+    With 0 as ``max_m`` nearly all depths are below it; what is nearer or farther has the first or last colour.
+    """
     _present(view, node_id, "depth")
     depth_m = view.reader.depth_m(node_id)
-    share = np.clip(depth_m / (max_m if max_m > 0 else _far(depth_m)), 0.0, 1.0)
-    image = cv2.applyColorMap((share * 255).astype(np.uint8), cv2.COLORMAP_TURBO)
+    last = max_m if max_m > min_m else max(_far(depth_m), min_m + _LEAST_SPAN_M)
+    share = np.clip((depth_m - min_m) / (last - min_m), 0.0, 1.0)
+    level = (np.nan_to_num(share) * 255).astype(np.uint8)
+    image = cv2.applyColorMap(level, _MAPS[colours]) if colours != "gray" else cv2.cvtColor(level, cv2.COLOR_GRAY2BGR)
     known = ((depth_m > 0) & np.isfinite(depth_m)).astype(np.uint8) * 255
     return bytes(cv2.imencode(".png", np.dstack([image, known]), [cv2.IMWRITE_PNG_COMPRESSION, 3])[1])
 

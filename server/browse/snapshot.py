@@ -17,7 +17,8 @@ from slam.errors import DatabaseError, ParameterError
 from slam.evaluate import align
 from slam.geometry import Pose
 from slam.graph.graph import PoseGraph
-from slam.graph.optimizer import chi2
+from slam.graph.optimizer import chi2, choose_root, optimize
+from slam.graph.problem import reachable
 from slam.graph.suspicion import Suspicion, suspicions
 from slam.graph.verify import residual_ratios
 from slam.history import History
@@ -142,6 +143,17 @@ class Snapshot:
     def graph(self) -> PoseGraph:
         """All nodes and links with the poses of this map."""
         return PoseGraph.from_reader(_Parts(self.nodes, self.all_links, self.poses))
+
+    @cached_property
+    def optimum(self) -> dict[int, Pose]:
+        """The poses that the graph comes to with the parameters of the map: those of a file may be elsewhere."""
+        graph = self.graph.copy()
+        left = set(graph.poses)
+        while left:
+            root = choose_root(graph, self.params, max(left))
+            graph.poses = optimize(graph, self.params, root=root).poses
+            left -= reachable(graph, root, self.params)
+        return graph.poses
 
     @cached_property
     def chi2(self) -> float:

@@ -34,8 +34,8 @@ class LoopTrials:
             self._use(params)
             return dict(self._done)
 
-    def ask(self, hypotheses: Iterable[Hypothesis], params: Params) -> int:
-        """Have these tried; how many of them still are."""
+    def ask(self, hypotheses: Iterable[Hypothesis], params: Params) -> None:
+        """Have these tried."""
         with self._lock:
             self._use(params)
             wanted = [one for one in hypotheses if one.pair not in self._done]
@@ -46,7 +46,6 @@ class LoopTrials:
             if self._waiting and self._worker is None:
                 self._worker = threading.Thread(target=self._work, name="loop trials", daemon=True)
                 self._worker.start()
-            return len(wanted)
 
     def _use(self, params: Params) -> None:
         if self._params is None or (params.Vis, params.Reg, params.Icp, params.RGBD) != (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import Counter, OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from server.browse.map_view import MapView
 
 _NAMES = ("Loop/Highest_hypothesis_id/", "Loop/Highest_hypothesis_value/")
+_LOOP_THR = "Rtabmap/LoopThr"
 #: Thresholds that a slider may come back to.
 _KEPT = 16
 #: A loop is true when its transform is this near to the true one.
@@ -65,8 +66,11 @@ def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: b
     params = snapshot.params
     tried = {**view.trials.done(params), **{p: row.candidate for p, row in snapshot.candidates.items()}}
     held = {pair for pair in snapshot.links.keys() | tried.keys() if snapshot.history.last(pair) is not None}
-    found = foresee(_hypotheses(view), snapshot.links, tried, held, threshold, params.Rtabmap.LoopThr)
-    pending = view.trials.ask([one.hypothesis for one in found if one.outcome is Outcome.UNTRIED], params)
+    found = foresee(_hypotheses(view, snapshot), snapshot.links, tried, held, threshold, params.Rtabmap.LoopThr)
+    untried = [one.hypothesis for one in found if one.outcome is Outcome.UNTRIED]
+    view.trials.ask(untried, params)
+    # Tried or not by now: what is shown does not know it yet.
+    pending = len(untried)
     graph, found = _graph(snapshot, found) if with_graph and not pending else (None, found)
     loops = [_loop(snapshot, one) for one in found]
     precision, recall = _scores(loops)
@@ -79,7 +83,7 @@ def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: b
         pending=pending,
         precision=precision,
         recall=recall,
-        ate_now_m=snapshot.ate_m,
+        ate_now_m=snapshot.ate_m if graph is None else snapshot.ate_at(snapshot.optimum, snapshot.links),
         graph=graph,
     )
 
@@ -92,14 +96,33 @@ def _scores(loops: Sequence[WhatIfLoop]) -> tuple[float | None, float | None]:
     return precision, sum(labelled) / true if true else None
 
 
-def _hypotheses(view: MapView) -> list[Hypothesis]:
+def _hypotheses(view: MapView, snapshot: Snapshot) -> list[Hypothesis]:
+    needed = _needed(snapshot)
     columns = view.statistics.columns(_NAMES, 0)
     places, values = (columns.values[name] for name in _NAMES)
     return [
-        Hypothesis(node_id, int(place), value)
+        Hypothesis(node_id, int(place), value, needed(node_id))
         for node_id, place, value in zip(columns.ids, places, values, strict=True)
         if place is not None and value is not None and place > 0
     ]
+
+
+def _needed(snapshot: Snapshot) -> Callable[[int], float]:
+    """``Rtabmap/LoopThr`` as the update of a node had it: what was set after the last one held for none."""
+    sessions = {one.map_id: one for one in snapshot.reader.sessions()}
+    changes = [one for one in snapshot.reader.parameter_changes() if one.name == _LOOP_THR]
+
+    def at(node_id: int) -> float:
+        row = snapshot.rows.get(node_id)
+        session = None if row is None else sessions.get(int(snapshot.nodes.map_ids[row]))
+        began = None if session is None else session.started
+        text = None if session is None else session.parameters.get(_LOOP_THR)
+        for change in changes:
+            if change.node_id < node_id and (began is None or change.time >= began):
+                text = change.value
+        return snapshot.params.Rtabmap.LoopThr if text is None else float(text)
+
+    return at
 
 
 def _loop(snapshot: Snapshot, one: Foreseen) -> WhatIfLoop:
@@ -141,9 +164,11 @@ def _true_transform(snapshot: Snapshot, link: Link) -> Pose | None:
 
 
 def _graph(snapshot: Snapshot, found: Sequence[Foreseen]) -> tuple[WhatIfGraph, list[Foreseen]]:
-    """The graph optimised with these loops, from the poses as they are; loops that it can't live with are refused."""
+    """The graph optimised with these loops, beside its optimum as it is; loops that it can't live with are refused."""
     graph, params = snapshot.graph.copy(), snapshot.params
-    before, judged = graph.poses, list(found)
+    # Poses of a file need not be at their optimum: what a threshold does is told from the optimum as it is.
+    before, judged = snapshot.optimum, list(found)
+    graph.poses = dict(before)
     for one in found:
         if one.outcome is Outcome.GOES and one.hypothesis.pair in graph.links:
             graph.remove_link(one.hypothesis.pair)
@@ -162,5 +187,6 @@ def _graph(snapshot: Snapshot, found: Sequence[Foreseen]) -> tuple[WhatIfGraph, 
         moved=shift.moved,
         max_shift_m=shift.max_m,
         ate_m=snapshot.ate_at(graph.poses, graph.links),
+        stored_off_m=Shift.between(snapshot.graph.poses, before).max_m,
     )
     return answer, judged

@@ -16,6 +16,7 @@ from server.cli.recover import recover
 from server.cli.reprocess import reprocess
 from server.cli.run import run
 from server.cli.serve import serve
+from server.cli.trial import try_parameters
 
 app = typer.Typer(
     name="slamdeck",
@@ -46,3 +47,4 @@ def options(
 
 for command in (demo, run, serve, info, reprocess, merge, recover, detect, refine, export, params):
     app.command()(command)
+app.command("try")(try_parameters)

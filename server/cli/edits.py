@@ -38,6 +38,7 @@ FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="A map file; 
 MethodOption = Annotated[Method, typer.Option(help="By images, by clouds, or by images and from there by clouds.")]
 IntraOption = Annotated[bool, typer.Option(help="Pairs of one session.")]
 InterOption = Annotated[bool, typer.Option(help="Pairs of two sessions.")]
+SessionOption = Annotated[int, typer.Option(min=-1, help="Only with a node of this session; -1 for all.")]
 AuthorOption = Annotated[str, typer.Option(help="Name for the journal.")]
 VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="A line for every pair or link, on stderr.")]
 
@@ -51,6 +52,7 @@ def detect(
     min_distance: Annotated[int, typer.Option(min=0, help="Fewest links between two nodes of a session.")] = 10,
     intra: IntraOption = True,
     inter: InterOption = True,
+    session: SessionOption = -1,
     method: MethodOption = Method.VISUAL,
     guess: Annotated[Guess, typer.Option(help="Begin at the optimised poses, or without any idea.")] = Guess.NONE,
     param: ParamOption = None,
@@ -74,6 +76,7 @@ def detect(
         min_graph_distance=min_distance,
         intra=intra,
         inter=inter,
+        session=session,
         method=method.value,
         guess=guess.value,
     )
@@ -91,6 +94,7 @@ def refine(
     last: Annotated[int, typer.Option(min=0, help="Largest id of a node; 0 for no limit.")] = 0,
     intra: IntraOption = True,
     inter: InterOption = True,
+    session: SessionOption = -1,
     method: MethodOption = Method.VISUAL,
     covariance_only: Annotated[bool, typer.Option("--covariance-only", help="Leave the transforms.")] = False,
     param: ParamOption = None,
@@ -117,6 +121,7 @@ def refine(
         last=last,
         intra=intra,
         inter=inter,
+        session=session,
         method=method.value,
         covariance_only=covariance_only,
     )

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from server.cli.progress import progress
-from server.engine.mapping import engine_on_map
+from server.engine.mapping import engine_on_map, session_params
 from slam.errors import SlamError, SourceError
-from slam.params import Params, Value
+from slam.params import Value
 from slam.run import Tally, prepared
 from slam.sensors import Source, open_source
 from slam.slam import Slam
@@ -31,7 +31,7 @@ def plain_run(
         StoppedError: by SIGINT or SIGTERM; the map holds what was mapped until then.
         SlamError: the source, a parameter or the file is refused.
     """
-    source, params = open_source(source_url), Params().changed(values)
+    source, params = open_source(source_url), session_params(path, values, append=append)
     opening = engine_on_map(path, params, seed=seed, source=source.name, overwrite=overwrite, append=append)
     tally = Tally()
     with opening as (slam, _), _signals() as stop, progress("mapping", len(source)) as advance:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from slam.edit.wishes import Detection, LinkEdit, Refinement
+from slam.edit.wishes import CovarianceEdit, Detection, LinkEdit, PriorEdit, Refinement
 from slam.params import Value
+from slam.types import Candidate
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class SetParams:
-    """Change parameters from the next frame on; answered with all values in force."""
+    """Change parameters of a run from the next frame on, or of a map that nobody makes; answered with all values."""
 
     changes: Mapping[str, Value]
 
@@ -80,12 +81,14 @@ class Decide:
         loops: both ids of each loop to approve or reject; undo and redo name none.
         author: who decides.
         preview: only work out what it would do.
+        tried: loops that were looked at outside of the map, of those that are approved.
     """
 
     action: Literal["approve", "reject", "undo", "redo"]
     loops: tuple[tuple[int, int], ...] = ()
     author: str = ""
     preview: bool = False
+    tried: tuple[Candidate, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,12 +109,29 @@ class DropNodes:
 
 
 @dataclass(frozen=True, slots=True)
-class LabelNode:
-    """Give a node a label, or take it away (empty); answered with its effect."""
+class LabelNodes:
+    """Give nodes a label, numbered where they are several, or take it away (empty); answered with its effect."""
 
-    node_id: int
+    node_ids: tuple[int, ...]
     label: str
     author: str = ""
+    preview: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EditPrior:
+    """Give a node a prior, change or remove it; answered with its effect."""
+
+    edit: PriorEdit
+    preview: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EditCovariances:
+    """Give many links other covariances; answered with the effect."""
+
+    edit: CovarianceEdit
+    preview: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +156,7 @@ class CancelJob:
     number: int
 
 
-Edit = EditLink | DropNodes | LabelNode
+Edit = EditLink | DropNodes | LabelNodes | EditPrior | EditCovariances
 Command = Pause | Resume | Step | Stop | SetParams | Decide | Edit | StartJob | CancelJob
 
 

@@ -17,4 +17,4 @@ def carry_out(review: Review, command: Decide) -> Effect:
         return review.undo(command.author, preview=command.preview)
     if command.action == "redo":
         return review.redo(command.author, preview=command.preview)
-    return review.decide(command.action, command.loops, command.author, preview=command.preview)
+    return review.decide(command.action, command.loops, command.author, preview=command.preview, tried=command.tried)

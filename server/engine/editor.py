@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from server.engine.channel import Channel
-from server.engine.commands import CancelJob, Decide, DropNodes, EditJob, EditLink, LabelNode, Request, StartJob, Stop
+from server.engine.commands import CancelJob, Decide, Edit, EditJob, Request, SetParams, StartJob, Stop
 from server.engine.decision import carry_out
 from server.engine.edits import Edits
 from server.engine.events import Ended, GraphChanged, Started
@@ -87,13 +87,16 @@ class Editor:
     def _decide(self, map_file: Opened, request: Request) -> None:
         self._require_rest()
         command = request.command
-        answer: Outcome | Effect
+        answer: Outcome | Effect | None
         if isinstance(command, Decide):
             answer = carry_out(map_file.review, command)
             changed = not command.preview
-        elif isinstance(command, EditLink | DropNodes | LabelNode):
+        elif isinstance(command, Edit):
             answer = self._edits.carry_out(command)
-            changed = not getattr(command, "preview", False)
+            changed = not command.preview
+        elif isinstance(command, SetParams):
+            map_file.writer.change_parameters(command.changes)
+            answer, changed = None, False
         else:
             raise EngineError(f"no engine is mapping {self._path.name}: start a run first")
         self._channel.answer(request, answer)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from server.engine.commands import DropNodes, Edit, EditLink, StartJob
-from slam.database import MapReader
+from server.engine.commands import DropNodes, Edit, EditCovariances, EditLink, EditPrior, LabelNodes, StartJob
+from slam.database import JournalEntry, MapReader
+from slam.edit.covariances import weighing
 from slam.edit.detect import detect_more
 from slam.edit.job import Job
 from slam.edit.links import LinkEditor
-from slam.edit.nodes import dropping, labelling
+from slam.edit.nodes import dropping, labelling_many
+from slam.edit.priors import placing
 from slam.edit.refine import refine_links
 from slam.edit.wishes import Detection, Outcome
 from slam.review import Effect, Review
@@ -30,11 +32,17 @@ class Edits:
         """
         if isinstance(command, EditLink):
             return self._links.preview(command.edit) if command.preview else self._links.carry_out(command.edit)
+        return self._review.change(self._entries(command), preview=command.preview)
+
+    def _entries(self, command: DropNodes | LabelNodes | EditPrior | EditCovariances) -> list[JournalEntry]:
         graph, reader = self._review.graph, self._reader
+        if isinstance(command, EditPrior):
+            return [placing(graph, command.edit)]
+        if isinstance(command, EditCovariances):
+            return weighing(graph, command.edit)
         if isinstance(command, DropNodes):
-            entries = dropping(graph, reader, command.node_ids, command.author)
-            return self._review.change(entries, preview=command.preview)
-        return self._review.change([labelling(graph, reader, command.node_id, command.label, command.author)])
+            return dropping(graph, reader, command.node_ids, command.author)
+        return labelling_many(graph, reader, command.node_ids, command.label, command.author)
 
     def job(self, command: StartJob) -> Job:
         """The work of a job, not begun."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -12,8 +12,32 @@ from slam.errors import DatabaseError
 from slam.features.files import check_files
 from slam.localization import Localization
 from slam.memory.past import recall
-from slam.params import Params
+from slam.params import Params, Value
 from slam.slam import Slam
+from slam.tools.parameters import taken
+
+#: What holds for one run, whatever the runs before it were.
+_OF_ONE_RUN: Mapping[str, Value] = {
+    "Mem/IncrementalMemory": True,
+    "Mem/LocalizationReadOnly": False,
+    "Odom/External": 0,
+}
+
+
+def session_params(path: Path, values: Mapping[str, Value], *, append: bool) -> Params:
+    """The parameters of a run: those named, and for the rest the defaults.
+
+    A session of a map that is there (``append``, or localisation) has those of the map in place of the defaults, as in
+    RTAB-Map: words and key points go on as they are, and what was taken over for it counts.
+
+    Raises:
+        ParameterError: one is unknown or out of bounds.
+        DatabaseError: the map can't be read.
+    """
+    params = Params().changed(values)
+    if not path.exists() or (params.Mem.IncrementalMemory and not append):
+        return params
+    return taken(MapReader(path)).params.changed({**_OF_ONE_RUN, **values})
 
 
 @contextmanager

@@ -19,6 +19,7 @@ from slam.review import Review
 class Opened:
     """What works on it; ``grid`` makes the floor plan anew when it is told to."""
 
+    writer: MapWriter
     reader: MapReader
     params: Params
     review: Review
@@ -39,4 +40,4 @@ def opened(path: Path, params: Params | None = None) -> Iterator[Opened]:
         chosen = snapshot.params if params is None else params
         graph = PoseGraph.from_reader(reader)
         review = Review(graph, writer, reader, chosen, lambda poses: snapshot.ate_at(poses, graph.links))
-        yield Opened(reader, chosen, review, GridRebuild(reader, writer, graph, chosen))
+        yield Opened(writer, reader, chosen, review, GridRebuild(reader, writer, graph, chosen))

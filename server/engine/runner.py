@@ -4,19 +4,36 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from collections.abc import Mapping
 
 from server.engine.channel import Channel
-from server.engine.commands import Decide, Pause, Request, Resume, RunJob, SetParams, Step, Stop
+from server.engine.commands import (
+    CancelJob,
+    Decide,
+    DropNodes,
+    Edit,
+    LabelNodes,
+    Pause,
+    Request,
+    Resume,
+    RunJob,
+    SetParams,
+    StartJob,
+    Step,
+    Stop,
+)
 from server.engine.decision import carry_out
+from server.engine.edits import Edits
 from server.engine.events import Ended, GraphChanged, InForce, Moved, NodeAdded, Progress, Started
-from server.engine.mapping import engine_on_map
+from server.engine.mapping import engine_on_map, session_params
 from server.engine.pace import Pace
 from server.errors import EngineError
 from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
+from slam.edit.wishes import Outcome
 from slam.errors import ParameterError, SlamError
-from slam.params import Params
-from slam.review import Review
+from slam.geometry import Pose
+from slam.review import Effect, Review
 from slam.run import Tally, ate_rmse_m, prepared
 from slam.sensors import open_source
 from slam.slam import Slam
@@ -46,14 +63,16 @@ class Runner:
         """Process frames until the source ends or somebody stops it."""
         job = self._job
         source = open_source(job.source)
-        params = Params().changed(job.params)
+        params = session_params(job.path, job.params, append=job.append)
         opening = engine_on_map(
             job.path, params, seed=job.seed, source=source.name, overwrite=job.overwrite, append=job.append
         )
         with opening as (slam, writer):
             if writer is None:
                 raise ParameterError("Mem/LocalizationReadOnly=true: decisions need a file that may be written")
-            self._review = self._make_review(slam, writer)
+            reader = MapReader(job.path)
+            self._review = self._make_review(slam, writer, reader)
+            self._edits = Edits(self._review, reader)
             self._channel.send(Started(source.name, None if source.live else len(source), dict(params.items())))
             for frame in prepared(source, slam):
                 self._attend(slam, frame)
@@ -99,8 +118,10 @@ class Runner:
                 self._set_params(slam, request, command)
             elif isinstance(command, Decide):
                 self._decide(slam, request, command)
+            elif isinstance(command, Edit):
+                self._edit(slam, request, command)
             elif not isinstance(command, Pause | Resume | Step | Stop):
-                raise EngineError("links and nodes can't be edited while the map is made: stop the run first")
+                raise EngineError(_not_now(command))
             else:
                 self._steer(command)
                 self._progress(slam)
@@ -125,17 +146,31 @@ class Runner:
         self._channel.answer(request, in_force)
         self._channel.send(InForce({name: in_force[name] for name in command.changes}))
 
-    def _make_review(self, slam: Slam, writer: MapWriter) -> Review:
-        reader = MapReader(self._job.path)
+    def _make_review(self, slam: Slam, writer: MapWriter, reader: MapReader) -> Review:
         graph = slam.graph
-        return Review(graph, writer, reader, slam.params, lambda poses: frames_ate_m(slam.frames, poses, graph.links))
+
+        def ate(poses: Mapping[int, Pose]) -> float | None:
+            return frames_ate_m(slam.frames, poses, graph.links)
+
+        return Review(graph, writer, reader, slam.params, ate, nodes_stay=True)
 
     def _decide(self, slam: Slam, request: Request, command: Decide) -> None:
-        effect = carry_out(self._review, command)
-        if not effect.preview:
+        self._done(slam, request, carry_out(self._review, command), preview=command.preview)
+
+    def _edit(self, slam: Slam, request: Request, command: Edit) -> None:
+        """Between two frames all nodes of the graph are in the file, and nothing of the pipeline is under way."""
+        if isinstance(command, DropNodes):
+            raise EngineError(_not_now(command))
+        answer = self._edits.carry_out(command)
+        if isinstance(command, LabelNodes) and not command.preview:
+            slam.keep(command.node_ids)
+        self._done(slam, request, answer, preview=command.preview)
+
+    def _done(self, slam: Slam, request: Request, answer: Outcome | Effect, *, preview: bool) -> None:
+        if not preview:
             slam.poses_changed()
-        self._channel.answer(request, effect)
-        if not effect.preview:
+        self._channel.answer(request, answer)
+        if not preview:
             self._channel.send(GraphChanged())
 
     def _progress(self, slam: Slam) -> None:
@@ -152,6 +187,15 @@ class Runner:
                 ate_m=self._ate_m,
             )
         )
+
+
+def _not_now(command: DropNodes | StartJob | CancelJob) -> str:
+    if isinstance(command, DropNodes):
+        return (
+            "nodes can't leave the map while it is made: the engine's memory of places, words and beliefs holds them."
+            " Stop the run first; pausing it is not enough"
+        )
+    return "many loops can't be looked for or refined while the map is made: stop the run first"
 
 
 def _node_added(update: Update) -> NodeAdded:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends, Path
+from fastapi import Depends, Path, Query
 from starlette.requests import HTTPConnection
 
 from server.browse.map_view import MapView
@@ -20,6 +20,11 @@ def services_of(connection: HTTPConnection) -> Services:
 ServicesDep = Annotated[Services, Depends(services_of)]
 MapId = Annotated[str, Path(alias="map", min_length=1, max_length=300, description="Id of a map, from GET /api/maps.")]
 NodeId = Annotated[int, Path(ge=1, le=2**31 - 1)]
+
+
+Viewer = Annotated[
+    str, Query(pattern=r"^[A-Za-z0-9-]{0,40}$", description="A name for one window, whose 3D view is its own.")
+]
 
 
 def view_of(services: ServicesDep, map_id: MapId) -> MapView:

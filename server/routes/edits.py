@@ -4,8 +4,22 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
+from server.browse.edits import prior_state
 from server.routes.access import NodeId, ServicesDep, ViewDep
-from server.schemas import DecisionResult, Job, JobStatus, LinkEdit, LinkEditResult, NodeDrop, NodeLabel, StartJob
+from server.schemas import (
+    Covariances,
+    DecisionResult,
+    Job,
+    JobStatus,
+    LinkEdit,
+    LinkEditResult,
+    NodeDrop,
+    NodeLabel,
+    NodeLabels,
+    NodePrior,
+    NodePriorState,
+    StartJob,
+)
 
 router = APIRouter(prefix="/api/maps/{map}", tags=["edits"])
 
@@ -20,6 +34,30 @@ async def edit_link(services: ServicesDep, view: ViewDep, edit: LinkEdit) -> Lin
 async def drop_nodes(services: ServicesDep, view: ViewDep, drop: NodeDrop) -> DecisionResult:
     """Take nodes out of the map; odometry's way is bridged over them, and undo brings them back."""
     return await services.drop_nodes(view, drop)
+
+
+@router.post("/nodes/label")
+async def label_nodes(services: ServicesDep, view: ViewDep, labels: NodeLabels) -> DecisionResult:
+    """Give several nodes a numbered label, or take theirs away."""
+    return await services.label_nodes(view, labels)
+
+
+@router.post("/links/covariances")
+async def edit_covariances(services: ServicesDep, view: ViewDep, edit: Covariances) -> DecisionResult:
+    """Give many links other covariances; their transforms stay."""
+    return await services.edit_covariances(view, edit)
+
+
+@router.get("/nodes/{node_id}/prior")
+def get_prior(services: ServicesDep, view: ViewDep, node_id: NodeId) -> NodePriorState:
+    """The prior of a node, and whether priors count."""
+    return prior_state(view.snapshot(), node_id, ignored=services.ignores_priors(view))
+
+
+@router.post("/nodes/{node_id}/prior")
+async def edit_prior(services: ServicesDep, view: ViewDep, node_id: NodeId, prior: NodePrior) -> DecisionResult:
+    """Give a node a prior, change it, or take it away."""
+    return await services.edit_prior(view, node_id, prior)
 
 
 @router.post("/nodes/{node_id}/label")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from server.browse.parameters import parameter_set
 from server.routes.access import ServicesDep, ViewDep
 from server.schemas import ParameterChanges, ParameterSet
 
@@ -14,14 +13,10 @@ router = APIRouter(prefix="/api/maps/{map}/parameters", tags=["parameters"])
 @router.get("")
 def get_parameters(services: ServicesDep, view: ViewDep) -> ParameterSet:
     """All parameters: as the engine has them while it runs, else as the file has them."""
-    snapshot = view.snapshot()
-    in_force = services.session.parameters_of(view.file.id)
-    values = dict(snapshot.params.items()) if in_force is None else in_force
-    return parameter_set(values, snapshot.parameter_texts, live=in_force is not None)
+    return services.parameters(view)
 
 
 @router.patch("")
 async def change_parameters(services: ServicesDep, view: ViewDep, changes: ParameterChanges) -> ParameterSet:
-    """Change parameters of the engine that runs; answers with the values that it has in force then."""
-    in_force = await services.session.set_parameters(view.file.id, changes.changes)
-    return parameter_set(in_force, view.snapshot().parameter_texts, live=True)
+    """Change parameters of the engine that runs, else of the file for its next session; answers with all in force."""
+    return await services.change_parameters(view, changes.changes)

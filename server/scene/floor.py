@@ -34,6 +34,11 @@ class FloorLayer:
         self._image: ImageHandle | None = None
         self._drawn: tuple[OccupancyGrid, Theme] | None = None
 
+    @property
+    def height(self) -> float:
+        """Of the ground that is shown, metres; 0 before it is."""
+        return self._height or 0.0
+
     def draw_ground(self, height: float, cell: float, extent: float, look: Theme) -> None:
         """Show the lines, ``cell`` metres apart, at about this height."""
         if self._height is None or abs(height - self._height) > _STEP_M:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.scene.placed import PlacedGraph
+from slam.geometry import Pose
+from slam.maps.local_grid import yaw
 
 Array = NDArray[np.float64]
 
@@ -22,6 +24,8 @@ _SIGHT_M = 2.0
 _LEAST_SPAN_M = 2.0
 _GROWING_SPAN_M = 9.0
 _MARGIN = 1.14
+#: From where a single node is looked at.
+_BEHIND_M, _ABOVE_M = 1.6, 1.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,6 +71,14 @@ def frame(graph: PlacedGraph, points: Array, *, growing: bool = False) -> Framin
         depth = min(depth, (high - low) / (2.0 * slope))
     camera = place[0] * right + place[1] * up + depth * forward
     return Framing(camera, camera + (float(np.median(z)) - depth) * forward)
+
+
+def beside(T_map_base: Pose) -> Framing:
+    """From behind and above a node along its heading: its own view from nearly its own place."""
+    heading = yaw(T_map_base)
+    ahead = np.array([np.cos(heading), np.sin(heading), 0.0])
+    place = T_map_base[:3, 3]
+    return Framing(place - _BEHIND_M * ahead + np.array([0.0, 0.0, _ABOVE_M]), place + _SIGHT_M * ahead)
 
 
 def _content(graph: PlacedGraph, points: Array, least: float) -> Array:

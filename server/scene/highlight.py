@@ -39,12 +39,24 @@ class Highlight:
         self._arc = Lines(scene, "/selected/arc", _ARC_PX)
         self._label: LabelHandle | None = None
         self._view: CameraFrustumHandle | None = None
-        self._viewed: int | None = None
+        self._viewed: tuple[int, bool] | None = None
 
     def draw(
-        self, snapshot: Snapshot, graph: PlacedGraph, node: int | None, link: Pair | None, measure: Measure, look: Theme
+        self,
+        snapshot: Snapshot,
+        graph: PlacedGraph,
+        node: int | None,
+        link: Pair | None,
+        measure: Measure,
+        look: Theme,
+        *,
+        frustum: bool = True,
+        image: bool = True,
     ) -> None:
-        """Show the selection where it is now; what the map does not have is not shown."""
+        """Show the selection where it is now; what the map lacks is not shown.
+
+        A single node has its ``frustum`` around it, with or without the ``image``.
+        """
         pair = link if link is not None and set(link) <= graph.rows.keys() else None
         single = node if node in graph.rows else None
         ids = pair or (() if single is None else (single,))
@@ -55,7 +67,7 @@ class Highlight:
         self._arc.draw(chain(path) if linked else dashed(path, measure.node), look.selected)
         top = np.concatenate([places, path])
         self._write(" → ".join(str(i) for i in ids), top.mean(axis=0) if len(top) else np.zeros(3), top, measure)
-        self._show_view(snapshot, graph, single, measure, look)
+        self._show_view(snapshot, graph, None if single is None or not frustum else (single, image), measure, look)
 
     def _write(self, text: str, middle: NDArray[np.float64], content: NDArray[np.float64], measure: Measure) -> None:
         """Name the selection, above the middle of it."""
@@ -69,25 +81,27 @@ class Highlight:
         self._label.position = np.array([middle[0], middle[1], height])
 
     def _show_view(
-        self, snapshot: Snapshot, graph: PlacedGraph, node: int | None, measure: Measure, look: Theme
+        self, snapshot: Snapshot, graph: PlacedGraph, wanted: tuple[int, bool] | None, measure: Measure, look: Theme
     ) -> None:
-        if self._view is not None and self._viewed != node:
+        """The view of a node, with its image or without."""
+        if self._view is not None and self._viewed != wanted:
             self._view.remove()
             self._view = None
-        if self._view is None and node is not None and self._viewed != node:
-            self._view = self._make_view(snapshot, node)
-        self._viewed = node
-        if self._view is None or node is None:
+        if self._view is None and wanted is not None and self._viewed != wanted:
+            self._view = self._make_view(snapshot, *wanted)
+        self._viewed = wanted
+        if self._view is None or wanted is None:
             return
-        T_map_cam = graph.T_map[graph.rows[node]] @ self._T_base_cam
+        T_map_cam = graph.T_map[graph.rows[wanted[0]]] @ self._T_base_cam
         self._view.wxyz, self._view.position = wxyz(T_map_cam), T_map_cam[:3, 3]
         self._view.scale = _FRUSTUM * measure.node
         self._view.color = for_line(look.selected)
 
-    def _make_view(self, snapshot: Snapshot, node: int) -> CameraFrustumHandle | None:
-        """The frustum of a node with its image; None for a node without a camera or an image."""
+    def _make_view(self, snapshot: Snapshot, node: int, with_image: bool) -> CameraFrustumHandle | None:
+        """The frustum of a node; None for a node without a camera, or without the image that it is to have."""
         try:
-            camera, image = snapshot.reader.camera(node), snapshot.reader.image_bgr(node)
+            camera = snapshot.reader.camera(node)
+            image = small(snapshot.reader.image_bgr(node)) if with_image else None
         except SlamError:
             # Nodes of a map that kept no images: the ring says enough.
             return None
@@ -98,7 +112,7 @@ class Highlight:
             camera.width / camera.height,
             thickness=2.0,
             thickness_units="screen",
-            image=small(image),
+            image=image,
             format="jpeg",
             jpeg_quality=85,
             cast_shadow=False,

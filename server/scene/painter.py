@@ -10,10 +10,11 @@ import numpy as np
 
 from server.browse.snapshot import Pair, Snapshot
 from server.browse.timeline import Moment
+from server.scene.closeup import CloseUpLayer
 from server.scene.clouds import CloudLayer
 from server.scene.colours import Theme, theme
 from server.scene.floor import FloorLayer, floor_height
-from server.scene.framing import FIELD_OF_VIEW, Framing, frame
+from server.scene.framing import FIELD_OF_VIEW, Framing, beside, frame
 from server.scene.frusta import FrustumLayer
 from server.scene.ghosts import GhostLayer, pairs_of
 from server.scene.highlight import Highlight
@@ -29,7 +30,7 @@ from server.scene.paths import PathLayer
 from server.scene.placed import PlacedGraph
 from server.scene.viewer import Viewer
 from server.schemas import LoopWhatIf
-from server.schemas.scene import Scene
+from server.schemas.scene import Scene, SceneLayers
 from slam.geometry import Pose
 from slam.loop.foresight import Outcome
 
@@ -69,6 +70,18 @@ class Picture:
         return None if self.moment is None else self.moment.at
 
     @property
+    def alone(self) -> bool:
+        """Whether the selected node is shown without the map."""
+        return self.state.alone and self.state.selected_node in self.shown.rows
+
+    @property
+    def layers(self) -> SceneLayers:
+        """The layers of the map: none around a node that is alone."""
+        if not self.alone:
+            return self.state.layers
+        return SceneLayers(**dict.fromkeys(SceneLayers.model_fields, False))
+
+    @property
     def measure(self) -> Measure:
         """Its sizes."""
         return Measure.of(self.graph.positions)
@@ -92,6 +105,7 @@ class Painter:
         self._model = ModelLayer(scene)
         self._ghosts = GhostLayer(scene)
         self._overlay = OverlayLayer(scene)
+        self._closeup = CloseUpLayer(scene)
         self._highlight = Highlight(scene)
         self._framing: Framing | None = None
         self._shown: Picture | None = None
@@ -100,6 +114,11 @@ class Painter:
     def port(self) -> int:
         """The port of the viser server."""
         return self._viewer.get_port()
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a browser is connected."""
+        return bool(self._viewer.get_clients())
 
     def close(self) -> None:
         """Close the port."""
@@ -122,14 +141,43 @@ class Painter:
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
             overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
-            visible = state.layers.cloud and not overlaid
+            visible = picture.layers.cloud and not overlaid
             self._clouds.draw(graph, with_images, with_scans, visible=visible, until=picture.until)
             self._draw_graph(picture)
-            self._highlight.draw(snapshot, picture.shown, *_selection(state), picture.measure, picture.look)
-            self._model.draw(snapshot.reader, snapshot.revision, visible=state.layers.model)
-            self._floor.draw_grid(grid, picture.look, visible=state.layers.grid)
+            self._highlight.draw(
+                snapshot,
+                picture.shown,
+                *_selection(state),
+                picture.measure,
+                picture.look,
+                frustum="frustum" in state.node_parts,
+                # The cloud is behind the image that it was made of.
+                image="cloud" not in state.node_parts,
+            )
+            self._model.draw(snapshot.reader, snapshot.revision, visible=picture.layers.model)
+            self._floor.draw_grid(grid, picture.look, visible=picture.layers.grid)
             self._draw_ground(picture)
+            self._closeup.draw(
+                snapshot.reader,
+                snapshot.revision,
+                picture.shown,
+                state.selected_node,
+                state.node_parts,
+                self._floor.height,
+                picture.look,
+            )
         self._shown = picture
+
+    def look_at_selected(self) -> None:
+        """Bring every camera to where the selected node looks."""
+        picture = self._shown
+        node = None if picture is None else picture.state.selected_node
+        if picture is None or node is None or node not in picture.shown.rows:
+            return
+        framing = beside(picture.shown.T_map[picture.shown.rows[node]])
+        for client in self._viewer.get_clients().values():
+            with client.atomic():
+                client.camera.position, client.camera.look_at = framing.position, framing.look_at
 
     def move(self, T_map_base: Pose) -> None:
         """Show the robot here, between two nodes."""
@@ -154,7 +202,10 @@ class Painter:
 
     def _draw_graph(self, picture: Picture) -> None:
         graph, moment = picture.shown, picture.moment
-        look, layers, measure = picture.look, picture.state.layers, picture.measure
+        look, measure = picture.look, picture.measure
+        layers = (
+            SceneLayers(**dict.fromkeys(SceneLayers.model_fields, False)) if picture.alone else picture.state.layers
+        )
         T_map_base = None if moment is None else moment.T_map_base
         self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph)
         going = pairs_of(picture.ghosts, Outcome.GOES)

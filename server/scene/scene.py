@@ -5,12 +5,17 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from server.browse.map_view import MapView
 from server.browse.snapshot import Pair
+from server.schemas import LoopWhatIf
 from server.schemas.scene import Scene, SceneChange, SceneLayers
 from slam.errors import SlamError
 from slam.geometry import Pose
+
+if TYPE_CHECKING:
+    from server.scene.painter import Painter
 
 _LOG = logging.getLogger(__name__)
 
@@ -21,29 +26,64 @@ _ASKED_PAUSE_S = 0.02
 
 
 class MapScene:
-    """Shows a map in a viser server of its own, to as many browsers as look at it.
+    """Shows a map in a viser server of its own, to one viewer or to as many browsers as look at it.
+
+    Until it is started, and once it is stopped, it is only the state of what is to be shown.
 
     Attributes:
         view: the map.
-        port: of the viser server on 127.0.0.1.
+        port: of the viser server on 127.0.0.1, once it is started.
     """
 
-    def __init__(self, view: MapView, on_select: Callable[[str, tuple[int, ...]], None], *, dark: bool = True) -> None:
-        # viser takes a second to load: only who opens a view waits for it.
-        from server.scene.painter import Painter
+    port: int
+    _painter: Painter
 
+    def __init__(
+        self,
+        view: MapView,
+        on_select: Callable[[str, tuple[int, ...]], None],
+        trial: Callable[[int], LoopWhatIf | None] = lambda _: None,
+        *,
+        dark: bool = True,
+        started: bool = True,
+    ) -> None:
+        """A view; ``trial`` says what the map would be by a trial, None where there is none."""
         self.view = view
         self._on_select = on_select
+        self._trial = trial
         self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark)
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._stale = threading.Event()
+        self._looking = threading.Event()
         self._pose: Pose | None = None
         self._pause_s = _PAUSE_S
         self._closing = threading.Event()
+        self._worker: threading.Thread | None = None
+        if started:
+            self.start()
+
+    @property
+    def is_started(self) -> bool:
+        """Whether it draws."""
+        return self._worker is not None
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a browser shows it now."""
+        return self.is_started and self._painter.is_watched
+
+    def start(self) -> None:
+        """Open the port and draw, unless that is so already."""
+        if self.is_started:
+            return
+        # viser takes a second to load: only who opens a view waits for it.
+        from server.scene.painter import Painter
+
+        self._closing.clear()
         self._painter = Painter(self._clicked_node, self._clicked_link)
         self.port = self._painter.port
-        self._worker = threading.Thread(target=self._work, name=f"scene {view.file.id}", daemon=True)
+        self._worker = threading.Thread(target=self._work, name=f"scene {self.view.file.id}", daemon=True)
         self._worker.start()
         self.refresh()
 
@@ -57,6 +97,11 @@ class MapScene:
         """The camera of the run that makes the map is here now; None while it is lost."""
         self._pause_s = _PAUSE_S
         self._pose = T_map_base
+        self._changed.set()
+
+    def look_at_selected(self) -> None:
+        """Bring the camera of everybody who looks at this map to the selected node, soon."""
+        self._looking.set()
         self._changed.set()
 
     def state(self) -> Scene:
@@ -74,8 +119,12 @@ class MapScene:
                 state.layers = SceneLayers(**layers)
             state.colour = change.colour if change.colour is not None else state.colour
             state.dark = change.dark if change.dark is not None else state.dark
+            state.node_parts = state.node_parts if change.node_parts is None else list(change.node_parts)
+            state.alone = state.alone if change.alone is None else change.alone
             if "what_if" in named:
                 state.what_if = change.what_if
+            if "trial" in named:
+                state.trial = change.trial
             if "overlay" in named:
                 state.overlay = change.overlay
             if "at" in named:
@@ -94,10 +143,13 @@ class MapScene:
         return self.state()
 
     def close(self) -> None:
-        """Stop drawing and close the port."""
+        """Stop drawing and close the port; what is to be shown is kept."""
+        if self._worker is None:
+            return
         self._closing.set()
         self._changed.set()
         self._worker.join()
+        self._worker = None
         self._painter.close()
 
     def _clicked_node(self, node_id: int) -> None:
@@ -113,11 +165,19 @@ class MapScene:
         if self._stale.is_set():
             self._stale.clear()
             state = self.state()
-            ghosts = None if state.what_if is None else self.view.what_ifs.at(state.what_if, with_graph=True)
             moment = None if state.at is None else self.view.timeline().moment(state.at)
-            self._painter.draw(self.view.snapshot(), state, ghosts, moment)
+            self._painter.draw(self.view.snapshot(), state, self._ghosts(state), moment)
         if pose is not None and self._state.at is None:
             self._painter.move(pose)
+        if self._looking.is_set():
+            self._looking.clear()
+            self._painter.look_at_selected()
+
+    def _ghosts(self, state: Scene) -> LoopWhatIf | None:
+        """What the map would be, by another threshold or else by a trial."""
+        if state.what_if is not None:
+            return self.view.what_ifs.at(state.what_if, with_graph=True)
+        return None if state.trial is None else self._trial(state.trial)
 
     def _work(self) -> None:
         """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did."""

@@ -2,6 +2,7 @@
 
 from server.schemas.base import ErrorBody, ErrorDetail, ParameterValue, PoseList, RowFault, RunState, Schema, Size
 from server.schemas.decisions import (
+    Changes,
     Decision,
     DecisionAction,
     DecisionEffect,
@@ -11,6 +12,7 @@ from server.schemas.decisions import (
     RefusedDecision,
 )
 from server.schemas.edits import (
+    Covariances,
     DetectOptions,
     EditedLink,
     IcpFacts,
@@ -20,11 +22,24 @@ from server.schemas.edits import (
     LinkEditResult,
     NodeDrop,
     NodeLabel,
+    NodeLabels,
+    NodePrior,
+    NodePriorState,
     RefineOptions,
     StartJob,
 )
 from server.schemas.graph import Graph, LinkColumns, NodeColumns
-from server.schemas.links import LinkDetail, LinkMatches, LoopDoubt, LoopReason, LoopRival, LoopRow, Loops, LoopWeights
+from server.schemas.links import (
+    LinkDetail,
+    LinkMatches,
+    LinkWalk,
+    LoopDoubt,
+    LoopReason,
+    LoopRival,
+    LoopRow,
+    Loops,
+    LoopWeights,
+)
 from server.schemas.maps import Landmark, Landmarks, MapFacts, MapInfo, Maps, MapSummary, SessionFacts
 from server.schemas.nodes import (
     CameraModel,
@@ -35,9 +50,13 @@ from server.schemas.nodes import (
     NodeFeatures,
     NodeLink,
     NodePage,
+    NodePair,
     NodeRow,
     NodeSensors,
+    PixelDepth,
+    PoseDifference,
     SensorReading,
+    SharedWords,
     UserData,
     Vector,
 )
@@ -45,12 +64,27 @@ from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoi
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics, TimelineEvent, TimelineUpdates
+from server.schemas.trials import (
+    KeepTrial,
+    KeptTrial,
+    StartTrial,
+    TakenOver,
+    Trial,
+    TrialChange,
+    TrialComparison,
+    TrialLoop,
+    TrialOutcome,
+    Trials,
+    TrialSide,
+)
 from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
     "CameraModel",
+    "Changes",
     "CloudFacts",
     "Colouring",
+    "Covariances",
     "Decision",
     "DecisionAction",
     "DecisionEffect",
@@ -68,6 +102,8 @@ __all__ = [
     "JobStatus",
     "Journal",
     "JournalEntry",
+    "KeepTrial",
+    "KeptTrial",
     "Landmark",
     "Landmarks",
     "LayerChange",
@@ -76,6 +112,7 @@ __all__ = [
     "LinkEdit",
     "LinkEditResult",
     "LinkMatches",
+    "LinkWalk",
     "LoopDoubt",
     "LoopReason",
     "LoopRival",
@@ -92,8 +129,12 @@ __all__ = [
     "NodeDrop",
     "NodeFeatures",
     "NodeLabel",
+    "NodeLabels",
     "NodeLink",
     "NodePage",
+    "NodePair",
+    "NodePrior",
+    "NodePriorState",
     "NodeRow",
     "NodeSensors",
     "Parameter",
@@ -101,6 +142,8 @@ __all__ = [
     "ParameterChoice",
     "ParameterSet",
     "ParameterValue",
+    "PixelDepth",
+    "PoseDifference",
     "PoseList",
     "RefineOptions",
     "RefusedDecision",
@@ -114,13 +157,23 @@ __all__ = [
     "Session",
     "SessionCommand",
     "SessionFacts",
+    "SharedWords",
     "Size",
     "StartJob",
     "StartRun",
+    "StartTrial",
     "StatisticNames",
     "Statistics",
+    "TakenOver",
     "TimelineEvent",
     "TimelineUpdates",
+    "Trial",
+    "TrialChange",
+    "TrialComparison",
+    "TrialLoop",
+    "TrialOutcome",
+    "TrialSide",
+    "Trials",
     "UserData",
     "Vector",
     "WhatIfGraph",

@@ -14,6 +14,8 @@ TierName = Tier
 ParameterValue = bool | int | float | str
 #: Ids of two nodes.
 Pair = Annotated[list[int], Field(min_length=2, max_length=2)]
+#: Least and greatest.
+Range = Annotated[list[float], Field(min_length=2, max_length=2)]
 Axes = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 

@@ -77,6 +77,22 @@ class JournalEntry(Schema):
     effect: DecisionEffect
 
 
+class Changes(Schema):
+    """What comes, goes and changes by decisions made together."""
+
+    nodes_gone: int
+    nodes_back: int
+    links_gone: int
+    """Between two nodes; loops are counted on their own."""
+    links_new: int
+    loops_gone: int
+    loops_new: int
+    priors_gone: int
+    priors_new: int
+    changed: int
+    """Links, priors and sightings whose numbers change."""
+
+
 class RefusedDecision(Schema):
     """A loop that was named and left as it is."""
 
@@ -94,6 +110,9 @@ class DecisionResult(Schema):
     """Loops that it was about."""
     refused: list[RefusedDecision]
     effect: DecisionEffect
+    changes: Changes
+    note: str = ""
+    """What else must be known of it, such as a parameter that keeps it from having an effect."""
     preview: bool
     revision: int | None
     """None after a preview."""

@@ -23,6 +23,7 @@ LinkTypeName = Literal[
     "LocalTimeClosure",
     "UserClosure",
     "NeighborMerged",
+    "Landmark",
 ]
 
 
@@ -120,6 +121,65 @@ class NodeLabel(Schema):
     author: Author = ""
 
 
+class NodeLabels(NodeLabel):
+    """A label for several nodes, numbered in the order of their ids; empty takes theirs away."""
+
+    nodes: Annotated[list[Id], Field(min_length=1, max_length=100_000)]
+    preview: bool = False
+
+
+class NodePrior(Schema):
+    """What a node's prior is to be."""
+
+    transform: Six | None = None
+    """x y z in metres, roll pitch yaw in degrees, map frame; null takes the prior away."""
+    sigmas: Six | None = None
+    """Of the same axes, in the frame of the node; three zeros for the angles: only the position is known."""
+    author: Author = ""
+    preview: bool = False
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> NodePrior:
+        if (self.transform is None) != (self.sigmas is None):
+            raise ValueError("a prior needs transform and sigmas, six numbers each, or neither to take it away")
+        return self
+
+
+class NodePriorState(Schema):
+    """The prior of a node as it is."""
+
+    transform: Six | None
+    """As in NodePrior; null where the node has none."""
+    sigmas: Six | None
+    suggested: Six
+    """Where the node is now."""
+    ignored: bool
+    """Whether ``Optimizer/PriorsIgnored`` is on, so that no prior moves anything."""
+
+
+class LinkChoice(Schema):
+    """Which links."""
+
+    types: list[LinkTypeName] = Field(default_factory=list)
+    """None for all links between two nodes; landmarks only where they are named."""
+    first: Annotated[int, Field(ge=0)] = 0
+    last: Annotated[int, Field(ge=0)] = 0
+    """Ids of nodes; 0 for no limit."""
+    intra: bool = True
+    inter: bool = True
+    session: Annotated[int, Field(ge=-1)] = -1
+    """Only links of a node of this session; -1 for all."""
+
+
+class Covariances(LinkChoice):
+    """Covariances for many links."""
+
+    sigmas: Six
+    """x y z in metres, roll pitch yaw in degrees; 0 where nothing is known."""
+    author: Author = ""
+    preview: bool = False
+
+
 class DetectOptions(Schema):
     """More loop closures: what is looked for."""
 
@@ -131,19 +191,15 @@ class DetectOptions(Schema):
     """Fewest links between two nodes of one session."""
     intra: bool = True
     inter: bool = True
+    session: Annotated[int, Field(ge=-1)] = -1
+    """Only pairs with a node of this session; -1 for all."""
     method: MethodName = "visual"
     guess: GuessName = "none"
 
 
-class RefineOptions(Schema):
+class RefineOptions(LinkChoice):
     """Links to register anew, from what they say."""
 
-    types: list[LinkTypeName] = Field(default_factory=list)
-    """None for all."""
-    first: Annotated[int, Field(ge=0)] = 0
-    last: Annotated[int, Field(ge=0)] = 0
-    intra: bool = True
-    inter: bool = True
     method: MethodName = "visual"
     covariance_only: bool = False
 

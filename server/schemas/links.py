@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from server.schemas.base import Axes, Pair, PoseList, Schema, Size
+from server.schemas.nodes import UserData
 from slam.database import LoopState
 
 
@@ -122,6 +123,33 @@ class LinkDetail(Schema):
     update: int | None
     """The node whose update looked at it; None for links that were never a candidate."""
     explanation: str
+    optimized: PoseList | None
+    """The same transform by the optimised poses; None where one of the nodes has none."""
+    off_m: float | None
+    """How far the measured transform is from that."""
+    off_deg: float | None
+    off: PoseList | None
+    """The optimised transform as seen from the measured one."""
+    merged_scans: list[int]
+    """Nodes whose scans were put together to make it."""
+    user_data: UserData | None
+    problem: str
+    """What is stored with it and can't be read, with the reason; empty where all can."""
+    walk: LinkWalk
+
+
+class LinkWalk(Schema):
+    """Where a link stands among all of its class, in the order of nodes: odometry's links, or loops in the graph."""
+
+    loops: bool
+    """Whether it is walked among loops."""
+    index: int | None
+    """From 1; None where it is not in the graph."""
+    total: int
+    previous: Pair | None
+    next: Pair | None
+    other: Pair | None
+    """The nearest link of the other class."""
 
 
 class LinkMatches(Schema):

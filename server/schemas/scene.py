@@ -12,6 +12,9 @@ Colouring = Literal["memory", "session", "time", "weight"]
 #: The measured transform of the link, or the optimised poses.
 Overlay = Literal["link", "poses"]
 
+#: What a node has to be seen close up.
+NodePart = Literal["cloud", "words", "scan", "grid", "frustum"]
+
 
 class SceneLayers(Schema):
     """Which layers are shown."""
@@ -34,8 +37,14 @@ class Scene(Schema):
     dark: bool = True
     selected_node: int | None = None
     selected_link: Pair | None = None
+    node_parts: list[NodePart] = Field(default_factory=lambda: list[NodePart](["frustum"]))
+    """What is shown of the selected node close up."""
+    alone: bool = False
+    """Whether the selected node is shown without the map around it."""
     what_if: float | None = None
     """The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts."""
+    trial: int | None = None
+    """The trial whose loops and path are shown as ghosts, where no threshold's are."""
     overlay: Overlay | None = None
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
     at: int | None = None
@@ -62,6 +71,9 @@ class SceneChange(Schema):
     dark: bool | None = None
     selected_node: int | None = None
     selected_link: Pair | None = None
+    node_parts: list[NodePart] | None = None
+    alone: bool | None = None
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
+    trial: Annotated[int, Field(ge=1)] | None = None
     overlay: Overlay | None = None
     at: Annotated[int, Field(ge=1)] | None = None

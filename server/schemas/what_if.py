@@ -34,6 +34,8 @@ class WhatIfGraph(Schema):
     """Poses that would move by more than 1 mm or 0.05 deg."""
     max_shift_m: float
     ate_m: float | None
+    stored_off_m: float
+    """How far the stored poses are from the optimum of the graph as it is, with which all this is compared."""
 
 
 class LoopWhatIf(Schema):
@@ -51,6 +53,6 @@ class LoopWhatIf(Schema):
     recall: float | None
     """Of the true ones that are known, the share that would be in the map."""
     ate_now_m: float | None
-    """Trajectory error of the map as it is."""
+    """Trajectory error of the map as it is: at its optimum where ``graph`` is asked for, else at the stored poses."""
     graph: WhatIfGraph | None
     """None while hypotheses are being tried, or where it was not asked for."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, func, insert, select
+from sqlalchemy import Column, Connection, func, insert, select, update
 
 from slam.camera import Camera
 from slam.database.blobs import MAX_CLOUD_BYTES, NOTHING, pack_row, unpack_matrix
@@ -18,7 +18,7 @@ from slam.database.encoder import ImageEncoder
 from slam.database.faults import cell_size_of, number_of
 from slam.database.image_size import claimed_size
 from slam.database.records import NodeRecord
-from slam.database.scans import pack_scan, unpack_scan
+from slam.database.scans import StoredScan, pack_scan, unpack_scan, unpack_stored_scan
 from slam.database.tables import data
 from slam.errors import DatabaseError
 from slam.params import Params
@@ -85,6 +85,13 @@ def insert_data(
     connection.execute(insert(data).values(values))
 
 
+def update_images(connection: Connection, node_id: int, columns: Mapping[str, object]) -> None:
+    """Give a node the images among some columns."""
+    images = {name: columns[name] for name in ("image", "depth") if name in columns}
+    if images:
+        connection.execute(update(data).where(data.c.id == node_id).values(images))
+
+
 def read_image(connection: Connection, node_id: int) -> bytes:
     """The colour image as stored; DatabaseError when the node has none."""
     return _present(_blob(connection, node_id, data.c.image), node_id, "image")
@@ -112,6 +119,12 @@ def read_scan(connection: Connection, node_id: int) -> Scan | None:
     """The cloud of a node; None when it has none."""
     row = connection.execute(select(data.c.scan, data.c.scan_info).where(data.c.id == node_id)).first()
     return None if row is None else unpack_scan(row.scan, row.scan_info)
+
+
+def read_stored_scan(connection: Connection, node_id: int) -> StoredScan | None:
+    """The same with all that is stored of it."""
+    row = connection.execute(select(data.c.scan, data.c.scan_info).where(data.c.id == node_id)).first()
+    return None if row is None else unpack_stored_scan(row.scan, row.scan_info)
 
 
 def read_first_cameras(connection: Connection) -> dict[int, Camera]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 from sqlalchemy import Connection
 
 from slam.database.admin_rows import clear_derived
 from slam.database.candidate_rows import insert_candidates
 from slam.database.journal_rows import append_together
-from slam.database.link_rows import insert_link, remove_link
+from slam.database.link_rows import insert_link, remove_link, update_information
 from slam.database.node_record import KnownIds
 from slam.database.pose_rows import replace_poses
 from slam.database.records import JournalEntry
@@ -28,11 +29,17 @@ def write_decision(
 ) -> list[int]:
     """Journal, nodes, links, candidates, poses; what was made from the old graph goes. Returns the entries' numbers."""
     numbers = append_together(connection, entries)
+    # Rows whose transforms stay are not made anew: both directions keep every bit, and what else they hold.
+    weighed = _weighed(entries)
     for from_id, to_id in remove:
-        remove_link(connection, from_id, to_id)
+        if (from_id, to_id) not in weighed:
+            remove_link(connection, from_id, to_id)
     for link in add:
         known.check_link(link)
-        insert_link(connection, link)
+        if (link.from_id, link.to_id) in weighed:
+            update_information(connection, link)
+        else:
+            insert_link(connection, link)
     if poses:
         replace_poses(connection, poses, None)
     for item in candidates:
@@ -40,3 +47,17 @@ def write_decision(
     if add or remove or any(entry.node is not None and entry.node.drops for entry in entries):
         clear_derived(connection)
     return numbers
+
+
+def _weighed(entries: Sequence[JournalEntry]) -> set[tuple[int, int]]:
+    """Both ids of the links that only get another information matrix."""
+    found = set()
+    for entry in entries:
+        before, after = entry.link_before, entry.link_after
+        if before is None or after is None or before.T_from_to is None or after.T_from_to is None:
+            continue
+        ends = before.from_id, before.to_id
+        same = before.type is after.type and ends == (after.from_id, after.to_id)
+        if same and np.array_equal(before.T_from_to, after.T_from_to):
+            found.add(ends)
+    return found

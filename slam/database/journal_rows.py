@@ -19,7 +19,7 @@ from slam.types import Link
 
 #: What is said of loops, and what is done to links and nodes.
 VERDICTS = ("approve", "reject", "add")
-EDITS = ("refine", "edit", "reset", "cut", "bridge", "drop", "label")
+EDITS = ("refine", "edit", "covariance", "reset", "cut", "bridge", "prior", "drop", "label")
 #: Decisions, and the actions that take one of them (or an undo) back.
 DECISIONS = (*VERDICTS, *EDITS)
 _TAKES_BACK = {"undo": DECISIONS, "redo": ("undo",)}

@@ -6,16 +6,20 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, delete, select, text
+from numpy.typing import NDArray
+from sqlalchemy import Connection, delete, func, select, text, true, update
 
 from slam.database.blobs import (
     INFORMATION_BYTES,
+    MAX_CLOUD_BYTES,
+    NOTHING,
     TRANSFORM_BYTES,
     check_information,
     pack_information,
     pack_transform,
     stack_informations,
     stack_transforms,
+    unpack_matrix,
 )
 from slam.database.faults import Faults, blob_of, each_sound, link_type_of, whole_of
 from slam.database.insertion import insert_rows
@@ -52,13 +56,26 @@ def insert_link(connection: Connection, item: Link) -> None:
 
 
 def remove_link(connection: Connection, from_id: int, to_id: int) -> None:
-    """Remove the link between two nodes, in both directions; DatabaseError when there is none."""
+    """Remove the link between two nodes, in both directions, or the prior of one; DatabaseError when there is none."""
     pairs = [(from_id, to_id), (to_id, from_id)]
+    # Gravity is a link of a node to itself as well: it was measured, and nobody takes it away.
+    meant = (link.c.type == int(LinkType.POSE_PRIOR)) if from_id == to_id else true()
     removed = sum(
-        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b))).rowcount for a, b in pairs
+        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b) & meant)).rowcount
+        for a, b in pairs
     )
     if not removed:
         raise DatabaseError(f"link {from_id}-{to_id} can't be removed: the map has none between these nodes")
+
+
+def update_information(connection: Connection, item: Link) -> None:
+    """Give a link another information matrix, in both directions; DatabaseError when there is none."""
+    forth = (link.c.from_id == item.from_id) & (link.c.to_id == item.to_id)
+    back = (link.c.from_id == item.to_id) & (link.c.to_id == item.from_id)
+    rows = (forth | back) & (link.c.type == int(item.type))
+    packed = pack_information(item.information)
+    if not connection.execute(update(link).where(rows).values(information_matrix=packed)).rowcount:
+        raise DatabaseError(f"link {item.from_id}-{item.to_id} can't be changed: the map has none of this type")
 
 
 def read_links(connection: Connection, faults: Faults | None = None) -> list[Link]:
@@ -78,6 +95,15 @@ def read_links(connection: Connection, faults: Faults | None = None) -> list[Lin
         if key not in found or found[key].from_id <= found[key].to_id or item.from_id > item.to_id:
             found[key] = item
     return [found[key] for key in sorted(found)]
+
+
+def read_link_user_data(connection: Connection, from_id: int, to_id: int) -> NDArray[np.generic] | None:
+    """The matrix attached to the link between two nodes, in either direction; None where there is none."""
+    ends = ((link.c.from_id == from_id) & (link.c.to_id == to_id)) | (
+        (link.c.from_id == to_id) & (link.c.to_id == from_id)
+    )
+    blobs = connection.scalars(select(link.c.user_data).where(ends & (func.length(link.c.user_data) > NOTHING)))
+    return unpack_matrix(blobs.first(), MAX_CLOUD_BYTES)
 
 
 def count_one_way(connection: Connection) -> int:

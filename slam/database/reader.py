@@ -20,11 +20,12 @@ from slam.database.guard import LARGE_VALUE
 from slam.database.image_size import check_size
 from slam.database.images import decode_color, decode_depth
 from slam.database.info import read_info
-from slam.database.link_rows import count_one_way, read_links
+from slam.database.link_rows import count_one_way, read_link_user_data, read_links
 from slam.database.mesh_rows import Cloud, Mesh
 from slam.database.parameter_rows import read_parameters
 from slam.database.records import WordRows
 from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
+from slam.database.scans import StoredScan
 from slam.database.schema import has_deck_tables
 from slam.database.sensor_values import Gps, NodeSensors
 from slam.database.session_rows import read_sessions
@@ -92,6 +93,11 @@ class MapReader(DeckReader):
         """All links, each pair once, from the newer node to the older."""
         with self._reading("reading the links") as connection:
             return read_links(connection, faults)
+
+    def link_user_data(self, from_id: int, to_id: int) -> NDArray[np.generic] | None:
+        """The matrix that is attached to the link between two nodes; None where there is none."""
+        with self._reading(f"reading link {from_id}-{to_id}") as connection:
+            return read_link_user_data(connection, from_id, to_id)
 
     def poses(self) -> dict[int, Pose]:
         """Optimised poses T_map_base by node id; empty when none are stored."""
@@ -221,10 +227,16 @@ class MapReader(DeckReader):
         ):
             return data_rows.read_scan(connection, node_id)
 
-    def stored_columns(self, node_id: int) -> tuple[dict[str, object], dict[str, object]]:
+    def stored_scan(self, node_id: int) -> StoredScan | None:
+        """The same with intensities, colours, and what is known of the scanner."""
+        doing = f"reading the cloud of node {node_id}"
+        with self._reading(doing, LARGE_VALUE) as connection, _about(self.path, node_id):
+            return data_rows.read_stored_scan(connection, node_id)
+
+    def stored_columns(self, node_id: int, *, images: bool = True) -> tuple[dict[str, object], dict[str, object]]:
         """What a replay hands on of a node, as it is: columns of the tables Node and Data by name."""
         with self._reading(f"reading node {node_id}") as connection:
-            return read_stored_columns(connection, node_id)
+            return read_stored_columns(connection, node_id, images=images)
 
     def last_word_id(self) -> int:
         """The largest id of a word, 0 when there is none."""

@@ -158,7 +158,8 @@ class JournalEntry:
         time: Unix seconds.
         author: who decided.
         action: a verdict about a loop (``approve``, ``reject``, ``add``), an edit of a link (``refine``, ``edit``,
-            ``reset``, ``cut``, ``bridge``) or of a node (``drop``, ``label``), or ``undo`` or ``redo``.
+            ``covariance``, ``reset``, ``cut``, ``bridge``) or of a node (``prior``, ``drop``, ``label``), or ``undo``
+            or ``redo``.
         from_id: node id.
         to_id: node id.
         link_before: the link before the decision, None when there was none.

@@ -82,11 +82,16 @@ class NodeSensors:
     @property
     def user_text(self) -> str | None:
         """User data that are text (one row of signed bytes); None where they are none."""
-        if self.user_data is None or self.user_data.dtype != np.int8 or len(self.user_data) != 1:
-            return None
-        raw = self.user_data.tobytes().rstrip(b"\0")
-        try:
-            text = raw.decode()
-        except UnicodeDecodeError:
-            return None
-        return text if all(mark.isprintable() or mark in "\n\r\t" for mark in text) else None
+        return text_in(self.user_data)
+
+
+def text_in(matrix: NDArray[np.generic] | None) -> str | None:
+    """The text that a matrix of one row of signed bytes holds; None where it holds none."""
+    if matrix is None or matrix.dtype != np.int8 or len(matrix) != 1:
+        return None
+    raw = matrix.tobytes().rstrip(b"\0")
+    try:
+        text = raw.decode()
+    except UnicodeDecodeError:
+        return None
+    return text if all(mark.isprintable() or mark in "\n\r\t" for mark in text) else None

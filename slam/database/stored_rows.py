@@ -7,16 +7,21 @@ from sqlalchemy import Connection, Table, select
 from slam.database.tables import data, node
 
 _NODE = ("velocity", "gps", "env_sensors")
-_IMAGES = ("image", "depth", "calibration", "scan", "scan_info", "user_data")
+_IMAGES = ("image", "depth")
+_SENSORS = ("calibration", "scan", "scan_info", "user_data")
 _GRID = ("ground_cells", "obstacle_cells", "empty_cells", "cell_size", "view_point_x", "view_point_y", "view_point_z")
 
 
-def read_stored_columns(connection: Connection, node_id: int) -> tuple[dict[str, object], dict[str, object]]:
+def read_stored_columns(
+    connection: Connection, node_id: int, *, images: bool = True
+) -> tuple[dict[str, object], dict[str, object]]:
     """Columns of the tables Node and Data by name, those that hold something, of one node.
 
-    Older schemas are presented as today's, so that what they hold is written as today's.
+    Images are among them unless ``images`` is false. Older schemas are presented as today's, so that what they hold is
+    written as today's.
     """
-    return _columns(connection, node, _NODE, node_id), _columns(connection, data, (*_IMAGES, *_GRID), node_id)
+    of_data = (*(_IMAGES if images else ()), *_SENSORS, *_GRID)
+    return _columns(connection, node, _NODE, node_id), _columns(connection, data, of_data, node_id)
 
 
 def _columns(connection: Connection, table: Table, names: tuple[str, ...], node_id: int) -> dict[str, object]:

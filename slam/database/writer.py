@@ -14,7 +14,7 @@ from sqlalchemy import Connection
 
 from slam.database import admin_rows, node_record, pose_rows, session_rows, time_enter
 from slam.database.connection import close_plainly, open_for_writing
-from slam.database.data_rows import EncodedData
+from slam.database.data_rows import EncodedData, update_images
 from slam.database.decision import write_decision
 from slam.database.encoder import ImageEncoder
 from slam.database.file_check import check_file, check_writable_version
@@ -24,12 +24,12 @@ from slam.database.lock import MapLock, locked
 from slam.database.new_file import create_file
 from slam.database.node_record import KnownIds
 from slam.database.node_rows import update_labels, update_weights
-from slam.database.parameter_rows import insert_parameter_change
+from slam.database.parameter_rows import change_parameters, insert_parameter_change
 from slam.database.parameter_text import params_text
 from slam.database.records import JournalEntry, NodeRecord
 from slam.database.refusal import refusing
 from slam.database.schema import add_deck_tables
-from slam.errors import DatabaseError
+from slam.errors import DatabaseError, ParameterError
 from slam.geometry import Pose
 from slam.params import Params, Value, format_value
 from slam.types import Candidate, Link, OccupancyGrid, TrackedFrame
@@ -142,6 +142,26 @@ class MapWriter:
             for link in links:
                 self._known.check_link(link)
                 insert_link(connection, link)
+
+    def add_images(self, images: Iterable[tuple[int, Mapping[str, object]]]) -> None:
+        """Give nodes their colour and depth images, as they are stored in another file."""
+        with self._transaction("adding images") as connection:
+            for node_id, columns in images:
+                update_images(connection, node_id, columns)
+
+    def change_parameters(self, changes: Mapping[str, Value]) -> None:
+        """Give a finished map other parameters, with which its next session starts; each change is logged.
+
+        Raises:
+            ParameterError: none is named, or one is unknown or out of bounds.
+            DatabaseError: the file has no parameters, as no session was ever saved.
+        """
+        if not changes:
+            raise ParameterError("no parameter is named: give at least one name with its new value")
+        params = Params().changed(changes)
+        texts = {name: format_value(params.get(name)) for name in changes}
+        with self._transaction("changing parameters") as connection:
+            change_parameters(connection, texts)
 
     def label_nodes(self, labels: Mapping[int, str]) -> None:
         """Give nodes labels; DatabaseError where a node does not exist or another one has the label."""

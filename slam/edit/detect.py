@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.database import JournalEntry
+from slam.edit.choice import require_session
 from slam.edit.job import Job, JobStep
 from slam.edit.matching import information_of, matched
 from slam.edit.scratch import scratch
@@ -33,8 +34,7 @@ def detect_more(review: Review, views: StoredViews, wanted: Detection, author: s
         DecisionError: neither kind of pair is wanted, or the batch does not fit the graph.
         DatabaseError: it can't be written.
     """
-    if not (wanted.intra or wanted.inter):
-        raise DecisionError("no pair would be looked at: ask for those of one session, of two sessions, or both")
+    _check(review.graph, wanted)
     graph, found, tried = scratch(review.graph), list[Candidate](), dict[Pair, Candidate]()
     for number in range(wanted.iterations):
         pairs = [pair for pair in close_pairs(graph, wanted) if pair not in tried]
@@ -55,6 +55,17 @@ def detect_more(review: Review, views: StoredViews, wanted: Detection, author: s
     return None
 
 
+def _check(graph: PoseGraph, wanted: Detection) -> None:
+    if not (wanted.intra or wanted.inter):
+        raise DecisionError("no pair would be looked at: ask for those of one session, of two sessions, or both")
+    if wanted.min_radius_m > wanted.radius_m:
+        raise DecisionError(
+            f"no pair would be looked at: the smallest distance, {wanted.min_radius_m:g} m, is more than the largest,"
+            f" {wanted.radius_m:g} m"
+        )
+    require_session(graph, wanted.session)
+
+
 def close_pairs(graph: PoseGraph, wanted: Detection) -> Iterator[Pair]:
     """Pairs (newer, older) of nodes that may be looked at, the newest first and of each the nearest first."""
     ids = np.array(sorted(graph.poses), np.int64)
@@ -69,6 +80,8 @@ def close_pairs(graph: PoseGraph, wanted: Detection) -> Iterator[Pair]:
         chosen &= (forward[:row] @ forward[row] >= least) & (piece[:row] == piece[row])
         same = sessions[:row] == sessions[row]
         chosen &= (same & wanted.intra) | (~same & wanted.inter)
+        if wanted.session >= 0:
+            chosen &= (sessions[:row] == wanted.session) | (sessions[row] == wanted.session)
         if not chosen.any():
             continue
         new = int(ids[row])

@@ -10,13 +10,14 @@ from slam.database import JournalEntry, MapReader
 from slam.edit.matching import around, information_of, matched
 from slam.edit.objection import objection
 from slam.edit.point_pairs import Fitted, fitted, lifted
+from slam.edit.sigmas import information_of_sigmas
 from slam.edit.views import StoredViews
 from slam.edit.wishes import LinkEdit, Outcome, PixelPair
 from slam.errors import DecisionError
 from slam.geometry import inverse
 from slam.graph.graph import PoseGraph, name
 from slam.review import Review
-from slam.types import UNKNOWN_VARIANCE, Link, LinkType, Refusal, Registration
+from slam.types import Link, LinkType, Refusal, Registration
 
 
 class LinkEditor:
@@ -141,12 +142,11 @@ def _found(found: Registration, like: Link) -> Outcome:
 def _typed(edit: LinkEdit, here: Link | None) -> Link:
     if edit.T_from_to is None or edit.sigmas is None:
         raise DecisionError("an edit needs a transform and six sigmas")
-    if not (np.isfinite(edit.T_from_to).all() and np.isfinite(edit.sigmas).all() and (edit.sigmas >= 0).all()):
-        raise DecisionError("transform and sigmas must be finite numbers, sigmas not below 0")
-    variances = np.where(edit.sigmas > 0, edit.sigmas**2, UNKNOWN_VARIANCE)
+    if not np.isfinite(edit.T_from_to).all():
+        raise DecisionError("a transform must be of finite numbers")
     from_id, to_id = max(edit.from_id, edit.to_id), min(edit.from_id, edit.to_id)
     kind = LinkType.USER_CLOSURE
     if here is not None:
         from_id, to_id, kind = here.from_id, here.to_id, here.type
     T = edit.T_from_to if from_id == edit.from_id else inverse(edit.T_from_to)
-    return Link(from_id, to_id, kind, T, np.diag(1.0 / variances))
+    return Link(from_id, to_id, kind, T, information_of_sigmas(edit.sigmas))

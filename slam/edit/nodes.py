@@ -66,22 +66,57 @@ def labelling(graph: PoseGraph, reader: MapReader, node_id: int, label: str, aut
     Raises:
         DecisionError: the node is not in the map, has that label already, or another one has it.
     """
-    text = label.strip()
-    if node_id not in graph:
-        raise DecisionError(f"node {node_id} is not in the map")
+    return labelling_many(graph, reader, [node_id], label, author)[0]
+
+
+def labelling_many(
+    graph: PoseGraph, reader: MapReader, node_ids: Sequence[int], label: str, author: str
+) -> list[JournalEntry]:
+    """Entries that give nodes a label, numbered by their ids where there are several (a label is of one node alone).
+
+    An empty label takes away those that there are; nodes without one are left alone.
+
+    Raises:
+        DecisionError: a node is not in the map, none would change, or another node has a label that is wanted.
+    """
+    ids, text = sorted(set(node_ids)), label.strip()
+    for node_id in ids:
+        if node_id not in graph:
+            raise DecisionError(f"node {node_id} is not in the map")
+    weights, labels = _columns(reader)
+    texts = dict.fromkeys(ids, text)
+    if text and len(ids) > 1:
+        texts = {node_id: f"{text} {number}" for number, node_id in enumerate(ids, 1)}
+    wanted = {node_id: text for node_id, text in texts.items() if labels[node_id] != text}
+    if not wanted:
+        raise DecisionError(_nothing_to_label(ids, text))
+    holders = {known: node_id for node_id, known in labels.items() if known}
+    for node_id, text in wanted.items():
+        _check_label(node_id, text, holders)
+    return [
+        _labelled(graph, node_id, weights[node_id], labels[node_id], text, author) for node_id, text in wanted.items()
+    ]
+
+
+def _nothing_to_label(ids: Sequence[int], text: str) -> str:
+    if not ids:
+        return "nothing to label: no node is named"
+    if len(ids) == 1:
+        return f"node {ids[0]} has the label {text!r} already" if text else f"node {ids[0]} has no label"
+    have = "nodes have these labels already" if text else "nodes have no label"
+    return f"these {len(ids)} {have}"
+
+
+def _check_label(node_id: int, text: str, holders: Mapping[str, int]) -> None:
     if len(text) > _LONGEST_LABEL or not text.isprintable():
         raise DecisionError(f"a label is at most {_LONGEST_LABEL} printable characters")
-    weights, labels = _columns(reader)
-    if labels[node_id] == text:
-        raise DecisionError(
-            f"node {node_id} has the label {text!r} already" if text else f"node {node_id} has no label"
-        )
-    other = next((i for i, known in labels.items() if text and known == text), None)
-    if other is not None:
-        raise DecisionError(f"label {text!r} can't be given to node {node_id}: node {other} has it")
-    weight = weights[node_id]
-    change = _change(graph, node_id, (weight, weight), (labels[node_id], text))
-    note = f"{labels[node_id] or 'none'} -> {text or 'none'}"
+    if text in holders:
+        raise DecisionError(f"label {text!r} can't be given to node {node_id}: node {holders[text]} has it")
+
+
+def _labelled(graph: PoseGraph, node_id: int, weight: int, before: str, after: str, author: str) -> JournalEntry:
+    change = _change(graph, node_id, (weight, weight), (before, after))
+    note = f"{before or 'none'} -> {after or 'none'}"
     return JournalEntry(action="label", from_id=node_id, to_id=node_id, author=author, note=note, node=change)
 
 

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from slam.database import JournalEntry
+from slam.edit.choice import chosen
 from slam.edit.job import Job, JobStep
 from slam.edit.matching import around, information_of
 from slam.edit.objection import tried
 from slam.edit.views import StoredViews
 from slam.edit.wishes import Refinement
 from slam.errors import DatabaseError, DecisionError, OptimizationError
-from slam.graph.graph import Pair, PoseGraph, name
+from slam.graph.graph import Pair, name
 from slam.review import Review
 from slam.types import Link
 
@@ -53,19 +54,6 @@ def refine_links(review: Review, views: StoredViews, wanted: Refinement, author:
     yield JobStep(1.0, f"{len(better)} of {len(links)} links refined")
     entries = [_entry(review.graph.links[pair], link, wanted, author) for pair, link in better.items()]
     return review.change(entries) if entries else None
-
-
-def chosen(graph: PoseGraph, wanted: Refinement) -> list[Link]:
-    """The links between two nodes that are meant, by their ids."""
-    return [link for _, link in sorted(graph.links.items()) if _is_meant(link, graph, wanted)]
-
-
-def _is_meant(link: Link, graph: PoseGraph, wanted: Refinement) -> bool:
-    low, high = link.pair
-    same = graph.map_ids[low] == graph.map_ids[high]
-    of_type = not wanted.types or link.type in wanted.types
-    in_range = low >= wanted.first and (not wanted.last or high <= wanted.last)
-    return of_type and in_range and (wanted.intra if same else wanted.inter)
 
 
 def _blamed(review: Review, links: Sequence[Link]) -> tuple[Link | None, str]:

@@ -97,6 +97,7 @@ class Detection:
         min_graph_distance: fewest links between two nodes of one session.
         intra: pairs of one session.
         inter: pairs of two sessions.
+        session: only pairs with a node of this session; -1 for all.
         method: of the registration.
         guess: where it begins.
     """
@@ -108,13 +109,14 @@ class Detection:
     min_graph_distance: int = 10
     intra: bool = True
     inter: bool = True
+    session: int = -1
     method: Method = "visual"
     guess: Guess = "none"
 
 
-@dataclass(frozen=True, slots=True)
-class Refinement:
-    """Which links, and how.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkChoice:
+    """Which links.
 
     Attributes:
         types: kinds of links; none for all.
@@ -122,8 +124,7 @@ class Refinement:
         last: largest id of a node, both ends; 0 for no limit.
         intra: links within one session.
         inter: links between two sessions.
-        method: of the registration, which begins at what the link says.
-        covariance_only: transforms stay.
+        session: only links of a node of this session; -1 for all.
     """
 
     types: tuple[LinkType, ...] = ()
@@ -131,5 +132,48 @@ class Refinement:
     last: int = 0
     intra: bool = True
     inter: bool = True
+    session: int = -1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refinement(LinkChoice):
+    """Links that are registered anew.
+
+    Attributes:
+        method: of the registration, which begins at what the link says.
+        covariance_only: transforms stay.
+    """
+
     method: Method = "visual"
     covariance_only: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class CovarianceEdit(LinkChoice):
+    """Links and sightings of landmarks that get other covariances; their transforms stay.
+
+    Attributes:
+        sigmas: (6,) x y z in metres, roll pitch yaw in radians, in the frame of the link's first node; 0 means that
+            nothing is known of the axis.
+        author: who wants it.
+    """
+
+    sigmas: Array
+    author: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class PriorEdit:
+    """What somebody wants of a node's pose prior.
+
+    Attributes:
+        node_id: the node.
+        T_map_base: (4, 4) where it is; None takes the prior away.
+        sigmas: (6,) as in ``LinkEdit``, in the node's own frame; three zeros for the angles make it a position alone.
+        author: who wants it.
+    """
+
+    node_id: int
+    T_map_base: Pose | None = None
+    sigmas: Array | None = None
+    author: str = ""

@@ -40,6 +40,8 @@ def exchanged(
     keep: bool = True,
     drop: Sequence[int] = (),
     restore: Sequence[GraphNode] = (),
+    release: Sequence[Link] = (),
+    hold: Sequence[Link] = (),
 ) -> Iterator[int]:
     """The graph with other links and nodes and its poses optimised; if the block raises, it is as it was.
 
@@ -52,6 +54,8 @@ def exchanged(
         keep: False puts everything back when the block ends.
         drop: ids of nodes to take out; ``remove`` names all their links.
         restore: nodes to put in.
+        release: priors and sightings of landmarks to take out.
+        hold: those to put in.
 
     Yields:
         The number of nodes that lose their way to the oldest node of their graph: they keep their poses.
@@ -61,6 +65,7 @@ def exchanged(
     """
     poses, removed, added, kept = graph.poses, list[Link](), list[Link](), False
     dropped, restored = list[GraphNode](), list[int]()
+    released, held = list[Link](), list[Link]()
     graph.poses = dict(poses)
     try:
         for pair in remove:
@@ -73,11 +78,23 @@ def exchanged(
         for link in add:
             join(graph, link)
             added.append(link)
-        _settle(graph, [link.pair for link in (*removed, *added)], params, there)
+        for link in release:
+            graph.remove_constraint(link)
+            released.append(link)
+        for link in hold:
+            graph.add_constraint(link)
+            held.append(link)
+        changed = [link.pair for link in (*removed, *added)]
+        changed += [(link.from_id, link.from_id) for link in (*released, *held)]
+        _settle(graph, changed, params, there)
         yield _separated(graph, [link.pair for link in removed])
         kept = keep
     finally:
         if not kept:
+            for link in reversed(held):
+                graph.remove_constraint(link)
+            for link in reversed(released):
+                graph.add_constraint(link)
             for link in reversed(added):
                 graph.remove_link(link.pair)
             for node in reversed(dropped):

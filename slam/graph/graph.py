@@ -155,6 +155,11 @@ class PoseGraph:
             raise OptimizationError(f"link {name(link)}: node {link.from_id} is not in the graph")
         self.constraints[link.from_id, link.to_id, link.type] = link
 
+    def remove_constraint(self, link: Link) -> None:
+        """Take out a prior, gravity or sighting, by its ends and type; raises OptimizationError without one."""
+        if self.constraints.pop((link.from_id, link.to_id, link.type), None) is None:
+            raise OptimizationError(f"link {name(link)} is not in the graph")
+
     def remove_link(self, pair: Pair) -> Link:
         """Take out and return the link of a pair of ids in any order; raises OptimizationError without one."""
         link = self.links.pop((min(pair), max(pair)), None)

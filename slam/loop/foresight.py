@@ -22,11 +22,15 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """The best place of an update: node, place, and the value that LoopThr is compared with."""
+    """The best place of an update: node, place, and the value that LoopThr is compared with.
+
+    ``needed`` is LoopThr as that update had it, None where it is the map's.
+    """
 
     node_id: int
     place_id: int
     value: float
+    needed: float | None = None
 
     @property
     def pair(self) -> Pair:
@@ -81,7 +85,7 @@ def foresee(
         outcome = _outcome(hypothesis, link, held, threshold)
         if outcome is Outcome.UNTRIED and candidate is not None:
             outcome = Outcome.REFUSED if candidate.refusal is not None else Outcome.COMES
-        elif outcome is Outcome.UNTRIED and hypothesis.value >= in_force:
+        elif outcome is Outcome.UNTRIED and hypothesis.value >= (hypothesis.needed or in_force):
             outcome = Outcome.REFUSED
         if outcome is not None:
             new = candidate.link if outcome is Outcome.COMES and candidate is not None else link

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ from slam.types import UNKNOWN_VARIANCE, ExternalOdometry, Features, Frame, Odom
 
 #: After a first pose is known, projected points are searched again this near.
 _NARROW_PX = 8.0
+#: Where the camera turned faster than guessed, points are looked for in windows this many times as wide.
+_WIDER = (2.0, 4.0)
 #: With fewer inliers than this share of the matches, the guess itself is in doubt.
 _DOUBTFUL = 0.5
 
@@ -77,6 +80,8 @@ class FrameToMap:
             if without_guess.agreed > track.agreed:
                 track = without_guess
         if track.agreed < params.Vis.MinInliers:
+            track = self._look_wider(track, frame.camera, guess, params)
+        if track.agreed < params.Vis.MinInliers:
             return self._lose(track, params, start)
         return self._advance(frame, track, params, start)
 
@@ -124,6 +129,16 @@ class FrameToMap:
         if track.agreed < params.Vis.MinInliers:
             return track
         return self._near(view, camera, track.T_odom_base, _NARROW_PX, params)
+
+    def _look_wider(self, lost: _Track, camera: Camera, guess: Pose, params: Params) -> _Track:
+        """The first of ever wider windows around the guess, and around the last pose, in which enough points agree."""
+        guesses = [guess] if np.array_equal(guess, self._T_odom_base) else [guess, self._T_odom_base]
+        for T_odom_base, wider in product(guesses, _WIDER):
+            radius = wider * params.Vis.CorGuessWinSize
+            track = self._near(lost.view, camera, T_odom_base, radius, params)
+            if track.agreed >= params.Vis.MinInliers:
+                return self._near(lost.view, camera, track.T_odom_base, _NARROW_PX, params)
+        return lost
 
     def _near(
         self, view: View, camera: Camera, T_odom_base: Pose, radius: float, params: Params, *, rounds: int = 3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from functools import cache
 from typing import Any
@@ -78,6 +78,14 @@ class Params(BaseModel):
     def differing(self) -> dict[str, Value]:
         """The values that differ from the defaults, by full name."""
         return {name: value for name, value in self.items() if value != spec(name).default}
+
+
+def require_live(names: Iterable[str], when: str) -> None:
+    """Raises ParameterError for a parameter that can't change ``when``, as it does not take effect at once."""
+    for name in names:
+        effect = spec(name).effect
+        if effect is not Effect.LIVE:
+            raise ParameterError(f"{name} takes effect with the {effect.value}, not {when}")
 
 
 def specs() -> Iterator[ParamSpec]:

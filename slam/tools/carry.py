@@ -70,7 +70,10 @@ def _made_by_hand(reader: MapReader) -> list[JournalEntry]:
 
 def _edits(reader: MapReader) -> list[JournalEntry]:
     """Edits of links that stand."""
-    return [entry for entry in reader.journal() if entry.action in ("refine", "edit") and entry.undone_by is None]
+    known = ("refine", "edit", "covariance")
+    return [
+        entry for entry in reader.journal() if entry.action in known and entry.undone_by is None and entry.to_id > 0
+    ]
 
 
 def _edited_odometry(reader: MapReader) -> list[str]:

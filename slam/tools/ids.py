@@ -34,6 +34,14 @@ class NewIds:
         place = self._place.get(OldId(file, node_id))
         return None if place is None else place[0]
 
+    def old_ids(self, file: int) -> dict[int, int]:
+        """New node -> the node of a file that it was made of, the first where others joined it."""
+        found: dict[int, int] = {}
+        for old, (new_id, _) in self._place.items():
+            if old.file == file:
+                found.setdefault(new_id, old.node_id)
+        return found
+
     def carried(self, file: int, link: Link) -> Link | None:
         """A link between two nodes of a file, now between the new ones; None where one is lost or both are one."""
         a, b = (self._place.get(OldId(file, i)) for i in (link.from_id, link.to_id))

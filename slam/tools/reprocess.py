@@ -20,7 +20,7 @@ from slam.tools.carry import Carried, carry
 from slam.tools.ids import NewIds
 from slam.tools.output import check_target, new_map
 from slam.tools.parameters import changes_features, changes_words, taken
-from slam.tools.replay import Replay
+from slam.tools.replay import ImageUse, Replay
 from slam.tools.settle import settle
 from slam.types import Update
 
@@ -29,7 +29,7 @@ OnFrame = Callable[[Update, Tally, int], None]
 
 
 #: Each node of the inputs was worth keeping once; the files' own odometry is no source's external one.
-_EVERY_NODE: dict[str, Value] = {
+EVERY_NODE: dict[str, Value] = {
     "Rtabmap/DetectionRate": 0.0,
     "RGBD/LinearUpdate": 0.0,
     "RGBD/AngularUpdate": 0.0,
@@ -58,6 +58,8 @@ class Request:
         features: key points of the files or found anew; None finds them anew where a change asks for others.
         seed: of everything random.
         force: replace a file of the output's name.
+        images: which of them are decoded, and kept.
+        last_id: of the nodes that are replayed; None for all.
     """
 
     inputs: Sequence[Path]
@@ -67,10 +69,25 @@ class Request:
     features: Whose | None = None
     seed: int = 0
     force: bool = False
+    images: ImageUse = field(default_factory=ImageUse)
+    last_id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replayed:
+    """What came of it: the summary, and where the nodes of the files have come to."""
+
+    summary: dict[str, Any]
+    ids: NewIds
 
 
 def reprocess(request: Request, on_frame: OnFrame | None = None) -> dict[str, Any]:
-    """Make the map; the summary of the run, with what was taken over.
+    """Make the map; the summary of the run, with what was taken over. See ``replayed``."""
+    return replayed(request, on_frame).summary
+
+
+def replayed(request: Request, on_frame: OnFrame | None = None) -> Replayed:
+    """Make the map.
 
     Every ordinary node becomes one again: ``Rtabmap/DetectionRate``, ``RGBD/LinearUpdate`` and ``AngularUpdate`` are 0
     unless they are among the changes. Loops are found anew; what people did is done again at the end.
@@ -84,14 +101,13 @@ def reprocess(request: Request, on_frame: OnFrame | None = None) -> dict[str, An
     check_files(params)
     keeps = _keeps_features(readers[0], request)
     words = keeps and not changes_words(request.changes, taken(readers[0]).params)
-    replay = Replay(readers, with_features=keeps, with_words=words)
+    replay = Replay(readers, with_features=keeps, with_words=words, images=request.images, last_id=request.last_id)
     with new_map(request.output, request.inputs, force=request.force) as part:
         summary, ids = _mapped(replay, params, part, request, on_frame)
         sessions = _sessions(MapReader(part), ids, replay, len(readers))
-        carried, unsettled = _by_hand(part, readers, ids, params)
+        carried, unsettled = _by_hand(part, readers, ids, params, _next_session(readers[0], request))
         summary["db_mb"] = round(part.stat().st_size / 1e6, 3)
-    return {
-        **summary,
+    summary |= {
         "inputs": [str(path) for path in request.inputs],
         "sessions": sessions,
         "replayed": len(replay.ids),
@@ -104,11 +120,12 @@ def reprocess(request: Request, on_frame: OnFrame | None = None) -> dict[str, An
         "lost": carried.lost,
         "not_optimized": unsettled,
     }
+    return Replayed(summary, ids)
 
 
 def _params(reader: MapReader, request: Request) -> tuple[Params, dict[str, str]]:
     found = taken(reader)
-    base = found.params.changed(_EVERY_NODE)
+    base = found.params.changed(EVERY_NODE)
     params = base.changed(request.changes)
     if not params.Mem.IncrementalMemory:
         raise ParameterError("Mem/IncrementalMemory false would make no map: reprocess makes a new one")
@@ -157,8 +174,17 @@ def _sessions(reader: MapReader, ids: NewIds, replay: Replay, files: int) -> lis
     return [sorted(one) for one in found]
 
 
-def _by_hand(part: Path, readers: Sequence[MapReader], ids: NewIds, params: Params) -> tuple[Carried, list[str]]:
+def _next_session(reader: MapReader, request: Request) -> dict[str, Value]:
+    """What a session that goes on from the new map starts with in place of what holds for a replay alone."""
+    wanted = taken(reader).params.changed(request.changes)
+    return {name: wanted.get(name) for name in EVERY_NODE if name != "Mem/IncrementalMemory"}
+
+
+def _by_hand(
+    part: Path, readers: Sequence[MapReader], ids: NewIds, params: Params, next_session: Mapping[str, Value]
+) -> tuple[Carried, list[str]]:
     with MapWriter.open(part) as writer:
+        writer.change_parameters(next_session)
         graph = PoseGraph.from_reader(MapReader(part))
         carried = carry(writer, graph, readers, ids)
         return carried, settle(writer, graph, params) if carried.decisions else []

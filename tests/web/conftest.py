@@ -40,6 +40,14 @@ def until(page: Page, condition: str, argument: object = None, seconds: float = 
         page.wait_for_timeout(200)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def cache_of_the_tests(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Servers keep what can be made again (trials) here, not in the person's own cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """Chromium, or the browser that CHROMIUM names."""

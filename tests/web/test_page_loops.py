@@ -47,11 +47,14 @@ def test_a_loop_shows_its_evidence(library: Served, open_page: OpenPage) -> None
             return n; }"""
     )
     assert greens > 100, "inlier lines are drawn"
-    for name in ("Inliers", "Sigma", "Residual", "Translation", "Rotation"):
+    for name in ("Inliers", "Sigma", "Residual", "Moved"):
         expect(evidence.get_by_text(name, exact=True)).to_be_visible()
+    for name in ("Measured", "Optimised", "Apart"):
+        expect(evidence.get_by_role("row", name=name)).to_contain_text(re.compile(r"\d m.*\d °", re.S))
     expect(evidence.locator("#why")).to_contain_text("Vis/MinInliers")
     evidence.get_by_text("Covariance 6×6").click()
-    expect(evidence.get_by_role("rowheader")).to_have_text(["x", "y", "z", "roll", "pitch", "yaw"])
+    covariance = evidence.locator(".covariance")
+    expect(covariance.get_by_role("rowheader")).to_have_text(["x", "y", "z", "roll", "pitch", "yaw"])
     clouds = evidence.get_by_role("group", name="Clouds in the 3D view")
     clouds.get_by_role("button", name="by the link").click()
     expect(clouds.get_by_role("button", name="by the link")).to_have_attribute("aria-pressed", "true")
@@ -71,6 +74,13 @@ def test_keys_walk_through_the_queue(library: Served, open_page: OpenPage) -> No
     expect(page).not_to_have_url(first)
     page.keyboard.press("k")
     expect(page).to_have_url(first)
+    # From a loop to odometry's link at its node: the queue does not list it, and it is walked along the path.
+    page.get_by_role("navigation", name="Links along the path").get_by_role("link", name="The odometry link").click()
+    walk = page.get_by_role("navigation", name="Links along the path")
+    expect(walk).to_contain_text(re.compile(r"Odometry link \d+ of \d+"))
+    from_id, to_id = (int(i) for i in page.url.rsplit("/", 1)[1].split("-"))
+    page.keyboard.press("k")
+    expect(page).to_have_url(re.compile(rf"/loops/{from_id - 1}-{to_id - 1}$"))
 
 
 def test_filters_and_order(library: Served, open_page: OpenPage) -> None:
@@ -108,7 +118,10 @@ def test_another_threshold_says_which_loops_would_come_and_go(library: Served, o
     expect(rows.filter(has_text="goes").first).to_contain_text("yes")
     expect(page.locator(".what-if-facts")).to_contain_text(re.compile(r"Recall\s*0.0 %.*ATE.* → ", re.S))
     expect(page.get_by_role("list", name="Legend")).to_contain_text("at LoopThr 1")
-    expect(page.locator("#what-if-apply")).to_be_disabled()
+    expect(page.locator("#what-if-apply")).to_be_enabled()
+    page.locator("#reject-all").click()
+    expect(page.locator("#bulk-changes")).to_contain_text(re.compile(r"\d+ loops? lost"), timeout=SLOW)
+    page.get_by_role("button", name="Cancel").click()
     # The line in the chart of the hypothesis is another handle of the same threshold.
     box = page.locator(".strip-chart .u-over").nth(2).bounding_box()
     assert box is not None

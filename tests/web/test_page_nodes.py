@@ -6,33 +6,38 @@ import re
 
 from playwright.sync_api import Page, expect
 
-from tests.web.conftest import OpenPage
+from tests.web.conftest import OpenPage, until
 from tests.web.served import Served
 
 NODES = "#/map/flat/nodes"
 
 
-def painted(page: Page, label: str) -> int:
-    """How many colours a canvas shows."""
-    return int(
-        page.get_by_role("img", name=label).evaluate(
-            """canvas => new Set(new Uint32Array(
-                canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size"""
-        )
+def paints(page: Page, label: str, colours: int) -> None:
+    """Waits until a canvas shows more than so many colours."""
+    canvas = page.get_by_role("img", name=label).element_handle()
+    until(
+        page,
+        """([canvas, colours]) => new Set(new Uint32Array(
+            canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size > colours""",
+        [canvas, colours],
     )
 
 
 def test_a_row_opens_the_node_with_images_and_figures(library: Served, open_page: OpenPage) -> None:
     page = open_page(library, NODES)
-    page.get_by_role("row").filter(has_text=re.compile(r"^7")).click()
-    expect(page).to_have_url(re.compile(r"#/map/flat/nodes/7$"))
-    inspector = page.get_by_role("region", name="Node 7")
+    page.get_by_role("row").filter(has_text=re.compile(r"^10")).click()
+    expect(page).to_have_url(re.compile(r"#/map/flat/nodes/10$"))
+    inspector = page.get_by_role("region", name="Node 10")
     expect(inspector.get_by_text(re.compile(r"\d+ words"))).to_be_visible()
-    page.wait_for_timeout(500)
-    assert painted(page, "Colour image of node 7") > 500
-    assert painted(page, "Depth image of node 7") > 20
+    paints(page, "Colour image of node 10", 500)
+    paints(page, "Depth image of node 10", 20)
+    line = inspector.locator(".pixel-line")
+    expect(line).to_contain_text("Point at a pixel")
+    inspector.get_by_role("img", name="Depth image of node 10").hover()
+    expect(line).to_contain_text(re.compile(r"pixel\s*1[56]\d.*\d\.\d{3} m.*base.*map", re.S))
+    expect(inspector.locator(".cross")).to_have_count(2)
     expect(inspector.get_by_role("row", name="Odometry")).to_contain_text("m")
-    expect(inspector.get_by_role("link", name="node 6")).to_be_visible()
+    expect(inspector.get_by_role("link", name="node 9")).to_be_visible()
     inspector.get_by_text("Statistics of its update").click()
     inspector.get_by_role("searchbox", name="Find a statistic").fill("Odometry/Inliers")
     expect(inspector.get_by_role("row", name="Odometry/Inliers/")).to_contain_text(re.compile(r"\d"))
@@ -74,8 +79,41 @@ def test_the_table_sorts_searches_and_follows_the_keys(library: Served, open_pag
     page.keyboard.press("k")
     last = int(page.url.rsplit("/", 1)[1])
     expect(page.get_by_role("row", selected=True)).to_contain_text(str(last))
-    page.get_by_role("searchbox", name="Find nodes by id or label").fill("12")
+    page.get_by_role("searchbox", name="Find nodes by id, label, time or place").fill("12")
     expect(rows.nth(1)).to_contain_text("12")
+    page.get_by_role("searchbox").fill("id:5..6 loops:>=0")
+    expect(page.get_by_role("table", name="Nodes")).to_have_attribute("aria-rowcount", "3")
+    page.get_by_role("searchbox").fill("near here")
+    expect(page.get_by_text("near needs a place")).to_be_visible()
+
+
+def test_two_nodes_stand_side_by_side_with_their_words(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, f"{NODES}/7")
+    page.locator("#compare").click()
+    expect(page).to_have_url(re.compile(r"/nodes/7\?b=\d+$"))
+    page.get_by_role("spinbutton", name="Id of node B").fill("9")
+    page.keyboard.press("Enter")
+    page.keyboard.press("Tab")
+    pair = page.get_by_role("region", name="Nodes 7 and 9")
+    expect(pair.get_by_text(re.compile(r"[1-9]\d* words? in both, of \d+ and \d+"))).to_be_visible()
+    expect(pair.get_by_role("row", name="Odometry")).to_contain_text(re.compile(r"\d+\.\d c?m.*\d+\.\d °", re.S))
+    expect(pair.get_by_role("link", name="Link them…")).to_be_visible()
+    paints(page, "Images of node 7 (left) and node 9 (right) with the words that both have", 500)
+    # J and K step the first, with Shift the second; clicks go to the second.
+    page.get_by_role("heading", name="B as seen from A").click()
+    page.keyboard.press("k")
+    expect(page).to_have_url(re.compile(r"/nodes/6\?b=9$"))
+    page.keyboard.press("Shift+J")
+    expect(page).to_have_url(re.compile(r"/nodes/6\?b=10$"))
+    page.keyboard.press("x")
+    expect(page).to_have_url(re.compile(r"/nodes/10\?b=6$"))
+    page.get_by_role("row").filter(has_text=re.compile(r"^9")).click()
+    expect(page).to_have_url(re.compile(r"/nodes/10\?b=9$"))
+    expect(
+        pair.or_(page.get_by_role("region", name="Nodes 10 and 9")).get_by_role("link", name="evidence")
+    ).to_be_visible()
+    page.get_by_role("button", name="Look at the first alone").click()
+    expect(page.get_by_role("region", name="Node 10")).to_be_visible()
 
 
 def test_a_node_that_is_not_there_says_which_are(library: Served, open_page: OpenPage) -> None:

@@ -104,7 +104,29 @@ def test_pause_step_resume_and_stop(running: Page) -> None:
     expect(running.locator("#run-toggle")).to_have_count(0)
     running.get_by_role("link", name="Params").click()
     expect(running.locator("#params-locked")).to_be_visible()
-    expect(running.get_by_label("Rtabmap/LoopThr", exact=True)).to_be_disabled()
+    try_values(running)
+
+
+def try_values(page: Page) -> None:
+    """On a finished map values are a draft: they are tried, compared, taken over, and the trial is discarded."""
+    for name, value in (("Mem/STMSize", "2"), ("Vis/MinInliers", "30")):
+        page.get_by_label(name, exact=True).fill(value)
+        page.get_by_label(name, exact=True).press("Enter")
+    expect(page.locator("#draft-bar")).to_contain_text("Mem/STMSize 10 → 2")
+    expect(page.locator('[data-name="Mem/STMSize"] output')).to_have_text("10 nodes")
+    page.locator("#draft-try").click()
+    expect(page).to_have_url(re.compile(r"params/1\?tab=trials"))
+    expect(page.locator('[data-measure="Largest STM"]')).to_contain_text("2", timeout=SLOW)
+    expect(page.locator('[data-measure="Largest STM"]')).to_have_class("trial-differs")
+    expect(page.get_by_role("img", name=re.compile("nodes from above"))).to_be_visible()
+    page.locator("#trial-take-over").click()
+    expect(page.get_by_role("status").filter(has_text="Taken over for the map's next session")).to_be_visible()
+    page.reload()
+    expect(page.locator('[data-trial="1"]')).to_contain_text("older map")
+    page.locator("#trial-discard").click()
+    expect(page.get_by_text("Nothing was tried on this map yet")).to_be_visible()
+    page.get_by_role("link", name="Change values").click()
+    expect(page.locator('[data-name="Mem/STMSize"] output')).to_have_text("2 nodes")
 
 
 def test_time_threshold_sends_nodes_to_long_term_memory(running: Page) -> None:

@@ -126,7 +126,8 @@ def test_a_chart_marks_the_node_under_the_pointer(library: Served, open_page: Op
     page = open_page(library, "#/map/flat/stats?names=Timing/Total/ms")
     chart = page.locator(".stat-chart .u-over")
     chart.hover(position={"x": 150, "y": 30})
-    marked = "async () => (await (await fetch('api/scene/flat')).json()).selected_node"
+    viewer = "'api/scene/flat?viewer=' + sessionStorage['slamdeck.viewer']"
+    marked = f"async () => (await (await fetch({viewer})).json()).selected_node"
     until(page, marked)
     page.get_by_role("heading", name="Statistics").hover()
     until(page, f"async () => (await ({marked})()) === null")

@@ -9,7 +9,9 @@ from playwright.sync_api import Page, expect
 from tests.web.conftest import OpenPage, until
 from tests.web.served import Served
 
-_SCENE = "async (at) => (await (await fetch('api/scene/flat')).json()).at === at"
+_SCENE = (
+    "async (at) => (await (await fetch('api/scene/flat?viewer=' + sessionStorage['slamdeck.viewer'])).json()).at === at"
+)
 
 
 def shown(page: Page) -> int:

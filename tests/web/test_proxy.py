@@ -76,7 +76,7 @@ def app(tmp_path: Path, upstream: Upstream, monkeypatch: pytest.MonkeyPatch) -> 
     """The app with that server in the place of the map's 3D view."""
     write_loop_map(tmp_path / "loops.db")
     with RunningApp(Settings(roots=(tmp_path,), token=TOKEN, port=0), None) as app:
-        monkeypatch.setattr(app.services.scenes, "get", lambda _: upstream)
+        monkeypatch.setattr(app.services.scenes, "shown", lambda *_: upstream)
         yield app
 
 
@@ -92,6 +92,7 @@ def test_the_page_comes_as_it_is_with_a_policy_of_its_own(app: RunningApp, accep
 def test_other_paths_and_maps(app: RunningApp) -> None:
     assert app.get("/viser/loops/none").status_code == 404
     assert app.get("/viser/none/").status_code == 404
+    assert app.get("/viser/loops/%4012-3/").content == app.get("/viser/loops/@12-3/").content == PAGE
     answer = app.get("/viser/loops")
     assert answer.status_code == 307 and answer.headers["location"] == "/viser/loops/"
 

@@ -1,105 +1,55 @@
-// Decisions about all loops that the queue shows: what they would do, before anything is done.
-import { useEffect, useRef, useState } from "preact/hooks";
+// Decisions about all loops that are shown: approve or reject them together, once it is seen what that would do.
+import { useState } from "preact/hooks";
 import { h, html } from "../html.js";
-import { decide, deciding, foreseeDecision } from "../actions.js";
+import { deciding, decisionAsk } from "../actions.js";
 import * as text from "../format.js";
-import { Author } from "./author.js";
 import { Button } from "./button.js";
-import { effectParts, lockReason } from "./decision_bar.js";
-import { Failed, Loading } from "./state.js";
-import { useFetched } from "./use.js";
+import { lockReason } from "./decision_bar.js";
+import { EditDialog } from "./edit_dialog.js";
 
 /** @typedef {import("../loop_list.js").LoopRow} LoopRow */
-/** @typedef {import("../store.js").Schemas["DecisionResult"]} Result */
 /** @typedef {"approve" | "reject"} Verdict */
+/** @typedef {{from: number, to: number}} Pair */
 
 /** @type {Record<Verdict, {verb: string, past: string, states: string[]}>} in these states there is nothing to say */
 const VERDICTS = {
   approve: { verb: "Approve", past: "approved", states: ["approved", "added"] },
   reject: { verb: "Reject", past: "rejected", states: ["rejected"] },
 };
-const MOST_NAMED = 6;
 
 /** @param {{rows: LoopRow[], total: number, onDecided: () => void}} props */
 export function BulkBar({ rows, total, onDecided }) {
-  const [asked, setAsked] = useState(/** @type {{action: Verdict, rows: LoopRow[]} | null} */ (null));
-  const locked = lockReason();
+  const open = (/** @type {Verdict} */ action) => rows.filter(({ state }) => !VERDICTS[action].states.includes(state));
   const shown = rows.length === total ? `all ${text.whole(total)}` : `${text.whole(rows.length)} of ${text.whole(total)}`;
-  const ask = (/** @type {Verdict} */ action) => {
-    const open = rows.filter(({ state }) => !VERDICTS[action].states.includes(state));
-    return h(Button, {
-      id: `${action}-all`,
-      label: `${VERDICTS[action].verb} ${text.whole(open.length)}…`,
-      hint: locked ?? `${VERDICTS[action].verb} every loop that is shown and isn't ${VERDICTS[action].past} yet; you see first what it would do`,
-      disabled: !open.length || locked !== null || deciding.value,
-      onClick: () => setAsked({ action, rows: open }),
-    });
-  };
+  const hint = (/** @type {Verdict} */ action) => `${VERDICTS[action].verb} every loop that is shown and isn't ${VERDICTS[action].past} yet; you see first what it would do`;
   return html`<div class="view-tools bulk">
-    <span class="quiet small grow">${shown} shown</span>${ask("approve")}${ask("reject")}
-    ${asked && h(BulkDialog, { ...asked, onDecided, onClose: () => setAsked(null) })}
+    <span class="quiet small grow">${shown} shown</span>
+    ${h(VerdictButton, { action: "approve", pairs: open("approve"), hint: hint("approve"), onDecided })}
+    ${h(VerdictButton, { action: "reject", pairs: open("reject"), hint: hint("reject"), onDecided })}
   </div>`;
 }
 
-/** @param {{action: Verdict, rows: LoopRow[], onDecided: () => void, onClose: () => void}} props */
-function BulkDialog({ action, rows, onDecided, onClose }) {
-  const dialog = useRef(/** @type {HTMLDialogElement | null} */ (null));
-  const [done, setDone] = useState(/** @type {Result | null} */ (null));
-  const decision = { action, loops: rows.map(({ from, to }) => [from, to]) };
-  const { data, error, reload } = useFetched((signal) => foreseeDecision(decision, signal), [action]);
-  useEffect(() => dialog.current?.showModal(), []);
-  const carryOut = async () => {
-    const answer = await decide(decision);
-    if (answer) (setDone(answer), onDecided());
-  };
-  const undo = async () => void ((await decide({ action: "undo" })) && (onDecided(), onClose()));
+/** Asks about several loops at once. @param {{action: Verdict, pairs: Pair[], hint: string, onDecided: () => void}} props */
+export function VerdictButton({ action, pairs, hint, onDecided }) {
+  const [asked, setAsked] = useState(/** @type {Pair[] | null} */ (null));
+  const locked = lockReason();
   const { verb, past } = VERDICTS[action];
-  const said = done ?? data.value;
-  const count = said?.count ?? rows.length;
-  return html`<dialog
-    ref=${dialog}
-    class="bulk-dialog"
-    aria-label=${`${verb} loops`}
-    onClose=${onClose}
-    onClick=${(/** @type {Event} */ event) => event.target === dialog.current && !deciding.value && onClose()}
-  >
-    <h2>${done ? `${text.plural(count, "loop")} ${past}` : `${verb} ${text.plural(count, "loop")}?`}</h2>
-    <div class="bulk-body" role="status" id="bulk-effect">
-      ${error.value
-        ? h(Failed, { error: error.value, what: "This can't be done.", onRetry: reload })
-        : said
-          ? html`<p>${done ? "It did this:" : "It would do this; nothing is changed yet."}</p>
-              <p class="bulk-effect">${effectParts(said.effect)}</p>
-              ${refusals(said)}`
-          : html`<p>Working out what it would do…</p>${h(Loading, {})}`}
-    </div>
-    <footer class="bulk-buttons">
-      ${done ? null : h(Author, {})}<span class="grow"></span>
-      ${done
-        ? [h(Button, { id: "bulk-undo", label: "Undo all", disabled: deciding.value, onClick: () => void undo() }), h(Button, { label: "Close", kind: "accent", onClick: onClose })]
-        : [
-            h(Button, { label: "Cancel", onClick: onClose }),
-            h(Button, {
-              id: "bulk-do",
-              label: deciding.value ? "Optimising…" : `${verb} ${text.whole(count)}`,
-              kind: action === "approve" ? "good" : "bad",
-              disabled: !data.value || deciding.value,
-              onClick: () => void carryOut(),
-            }),
-          ]}
-    </footer>
-  </dialog>`;
-}
-
-/** What stays as it is, and why. @param {Result} result */
-function refusals({ refused, preview }) {
-  if (!refused.length) return null;
-  const more = refused.length - MOST_NAMED;
-  return html`<div class="note bulk-note">
-    ${text.plural(refused.length, "loop")} ${preview ? "would stay" : refused.length === 1 ? "stays" : "stay"} as before:
-    <ul>
-      ${refused.slice(0, MOST_NAMED).map(({ from, to, reason }) => html`<li key=${`${from}-${to}`}>${reason}</li>`)}
-      ${more > 0 && html`<li>and ${text.whole(more)} more</li>`}
-    </ul>
-  </div>`;
+  return html`${h(Button, {
+    id: `${action}-all`,
+    label: `${verb} ${text.whole(pairs.length)}…`,
+    hint: locked ?? hint,
+    disabled: !pairs.length || locked !== null || deciding.value,
+    onClick: () => setAsked(pairs),
+  })}
+  ${asked &&
+  h(EditDialog, {
+    label: `${verb} loops`,
+    heading: (said) => `${verb} ${text.plural(said?.count ?? asked.length, "loop")}?`,
+    past: (said) => `${text.plural(said.count, "loop")} ${past}`,
+    verb: (said) => `${verb} ${text.whole(said?.count ?? asked.length)}`,
+    kind: action === "approve" ? "good" : "bad",
+    ask: decisionAsk({ action, loops: asked.map(({ from, to }) => [from, to]) }),
+    onDecided,
+    onClose: () => setAsked(null),
+  })}`;
 }

@@ -10,10 +10,13 @@ import { html } from "../html.js";
  * @property {number} aspect width / height
  * @property {Draw} draw
  * @property {unknown[]} dependencies draw again when one changes
+ * @property {(place: Place | null) => void} [onPoint] where the pointer is; null once it has left
  */
 
+/** @typedef {[number, number]} Place x and y from 0 to 1, from the upper left corner */
+
 /** @param {CanvasProps} props */
-export function Canvas({ label, aspect, draw, dependencies }) {
+export function Canvas({ label, aspect, draw, dependencies, onPoint }) {
   const canvas = useRef(/** @type {HTMLCanvasElement | null} */ (null));
   const [width, setWidth] = useState(0);
   useEffect(() => {
@@ -26,7 +29,15 @@ export function Canvas({ label, aspect, draw, dependencies }) {
   useEffect(() => {
     if (canvas.current && width > 0) paint(canvas.current, width, Math.round(width / aspect), draw);
   }, [width, aspect, ...dependencies]);
-  return html`<canvas ref=${canvas} role="img" aria-label=${label}></canvas>`;
+  const moved = onPoint && ((/** @type {PointerEvent} */ event) => onPoint(placeOf(event)));
+  return html`<canvas ref=${canvas} role="img" aria-label=${label} onPointerMove=${moved} onPointerLeave=${onPoint && (() => onPoint(null))}></canvas>`;
+}
+
+/** @param {PointerEvent} event @returns {Place} */
+function placeOf(event) {
+  const box = /** @type {HTMLElement} */ (event.currentTarget).getBoundingClientRect();
+  const share = (/** @type {number} */ from, /** @type {number} */ length) => Math.max(0, Math.min(1, from / length));
+  return [share(event.clientX - box.left, box.width), share(event.clientY - box.top, box.height)];
 }
 
 /** @param {HTMLCanvasElement} canvas @param {number} width @param {number} height @param {Draw} draw */

@@ -3,7 +3,8 @@ import { h, html } from "../html.js";
 import { decide, deciding, lastDecision } from "../actions.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
-import { info } from "../store.js";
+import { openMapId } from "../router.js";
+import { info, session } from "../store.js";
 import { Button } from "./button.js";
 
 /** @typedef {import("../store.js").Schemas["DecisionEffect"]} Effect */
@@ -27,10 +28,10 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
     if (locked) return;
     if (await decide(action === "undo" ? { action } : { action, from, to })) onDecided();
   };
-  // One without a state was only tried to see what another threshold would mean.
-  const isLoop = state !== null && type !== null && /Closure$/.test(type);
+  const isLoop = type !== null && /Closure$/.test(type);
   const canApprove = isLoop && measured && state !== "approved" && state !== "added";
-  const canReject = isLoop && state !== "rejected" && state !== "refused";
+  // One without a state was only tried to see what another threshold would mean: it can come, there is nothing to go.
+  const canReject = isLoop && state !== null && state !== "rejected" && state !== "refused";
   useKeys({
     a: () => void (canApprove && run("approve")),
     r: () => void (canReject && run("reject")),
@@ -38,7 +39,7 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
   return html`<footer class="decisions">
     ${h(EffectLine, {})}
     <div class="decision-buttons">
-      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? (state === null ? "Only tried for the what-if: a lower LoopThr would let it in" : measured ? "This loop is right" : "Verification found no transform that could be approved"), disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
+      ${h(Button, { id: "approve", label: "Approve", keys: "A", kind: "good", hint: locked ?? (measured ? (state === null ? "Only tried for the what-if so far; put it into the map" : "This loop is right") : "Verification found no transform that could be approved"), disabled: busy || !canApprove || !!locked, onClick: () => void run("approve") })}
       ${h(Button, { id: "reject", label: "Reject", keys: "R", kind: "bad", hint: locked ?? "Take this loop out of the graph", disabled: busy || !canReject || !!locked, onClick: () => void run("reject") })}
       ${h(Button, { id: "undo", label: "Undo", keys: "U", hint: locked ?? "Take the last decision back; Shift U makes it again", disabled: busy || !!locked, onClick: () => void run("undo") })}
       ${h(Button, { id: "previous", label: "Prev", keys: "K", onClick: () => onStep(-1) })}
@@ -53,6 +54,17 @@ export function lockReason() {
   return locked ? "Another program holds this map for writing, or the file is read-only" : null;
 }
 
+/** Whether an engine makes the open map now. */
+export function isMade() {
+  const run = session.value;
+  return run?.map != null && run.map === openMapId.value && ["starting", "running", "paused"].includes(run.state);
+}
+
+/** Why no node can leave the map and no job can work on it now; null where they can. */
+export function stopReason() {
+  return lockReason() ?? (isMade() ? "The engine that makes this map holds its nodes in memory: stop the run first; pausing it is not enough" : null);
+}
+
 /** What the last decision made here did. */
 export function EffectLine() {
   const last = lastDecision.value;
@@ -61,7 +73,8 @@ export function EffectLine() {
   const { entry, effect, count } = last;
   const one = entry.from_id === entry.to_id ? ` node ${entry.from_id}` : ` ${entry.from_id} → ${entry.to_id}`;
   const name = count > 1 ? ` ${text.whole(count)} entries` : one;
-  return html`<p class="effect" role="status" id="effect"><span class="quiet">${PAST[entry.action] ?? entry.action}${name}</span> ${effectParts(effect)}</p>`;
+  const note = last.note && html`<span class="ink-warn">${last.note}</span>`;
+  return html`<p class="effect" role="status" id="effect"><span class="quiet">${PAST[entry.action] ?? entry.action}${name}</span> ${effectParts(effect)} ${note}</p>`;
 }
 
 /** @type {Record<string, string>} */
@@ -77,12 +90,33 @@ export const PAST = {
   cut: "Cut",
   bridge: "Bridged",
   drop: "Removed",
+  prior: "Prior of",
+  covariance: "Covariance of",
   label: "Labelled",
 };
 
 /** @param {number | null} chi2 */
 export function chi2Text(chi2) {
   return chi2 !== null && chi2 >= 1000 ? text.whole(chi2) : text.fixed(chi2, 1);
+}
+
+/** What comes, goes and changes; nothing where that is said by the effect alone. @param {import("../store.js").Schemas["Changes"]} changes */
+export function changeParts(changes) {
+  /** @type {[number, string, string][]} */
+  const all = [
+    [changes.nodes_gone, "node", "leaving"],
+    [changes.nodes_back, "node", "coming back"],
+    [changes.loops_gone, "loop", "lost"],
+    [changes.loops_new, "loop", "added"],
+    [changes.links_gone, "other link", "cut"],
+    [changes.links_new, "bridge", "over the gap"],
+    [changes.priors_gone, "prior", "removed"],
+    [changes.priors_new, "prior", "added"],
+    [changes.changed, "link", "changed"],
+  ];
+  const parts = all.filter(([count]) => count);
+  if (!parts.length) return null;
+  return html`<p class="bulk-effect" id="bulk-changes">${parts.map(([count, thing, what]) => html`<span key=${thing + what}><b>${text.plural(count, thing)}</b> ${what}</span>`)}</p>`;
 }
 
 /** @param {Effect} effect */

@@ -8,6 +8,7 @@ const KEYS = /** @type {[string, [string, string][]][]} */ ([
   ["Page", [["Ctrl K", "search or command"], ["1 … 5", "maps, nodes, loops, params, stats"], ["T", "light or dark"], ["?", "this list"]]],
   ["Run", [["Space", "pause or resume"], [".", "one frame"]]],
   ["Loops", [["J / K", "next, previous"], ["A", "approve"], ["R", "reject"], ["U", "undo the last decision"], ["⇧ U", "redo it"], ["E", "larger images"]]],
+  ["Two nodes", [["J / K", "next, previous of A"], ["⇧ J / ⇧ K", "of B"], ["X", "change places"]]],
   ["Timeline", [["← →", "previous, next update"], ["Shift ← →", "previous, next event"], ["P", "play or pause"], ["N", "now"]]],
   ["Tables", [["↑ ↓", "next, previous row"], ["Home End", "first, last row"]]],
   ["Areas", [["← →  ↑ ↓", "resize, on a focused bar"]]],

@@ -1,5 +1,5 @@
 // Labelled fields of forms.
-import { html } from "../html.js";
+import { h, html } from "../html.js";
 
 /** @typedef {{currentTarget: HTMLInputElement}} InputEvent */
 /** @typedef {{currentTarget: HTMLSelectElement}} SelectEvent */
@@ -33,3 +33,19 @@ export function CheckField({ label, on, hint, onChange }) {
 export const METHODS = [["visual", "Images"], ["icp", "Clouds (ICP)"], ["both", "Images, then clouds"]];
 /** @type {[string, string][]} where a registration begins */
 export const GUESSES = [["graph", "the optimised poses"], ["none", "no guess"]];
+
+/** @param {{wanted: {intra: boolean, inter: boolean, session: string}, onChange: (change: {intra?: boolean, inter?: boolean, session?: string}) => void}} props */
+export function Sessions({ wanted, onChange }) {
+  return html`<span class="form-row">
+    ${h(CheckField, { label: "within a session", on: wanted.intra, onChange: (intra) => onChange({ intra }) })}
+    ${h(CheckField, { label: "between sessions", on: wanted.inter, onChange: (inter) => onChange({ inter }) })}
+    ${h(NumberField, { label: "only session", value: wanted.session, step: "1", hint: "Only with a node of this session; empty for all", onChange: (session) => onChange({ session }) })}
+  </span>`;
+}
+
+/** Fields hold text. @template {Record<string, string | boolean>} T @param {T} fields */
+export function numbers(fields) {
+  const worth = (/** @type {string | boolean} */ value) => (typeof value === "string" && value.trim() && Number.isFinite(Number(value)) ? Number(value) : value);
+  // A field that is empty leaves it at what the engine takes.
+  return Object.fromEntries(Object.entries(fields).filter(([, value]) => value !== "").map(([name, value]) => [name, worth(value)]));
+}

@@ -7,28 +7,29 @@ import { on } from "../events.js";
 import * as text from "../format.js";
 import { Author } from "./author.js";
 import { Button, Chip } from "./button.js";
-import { effectParts, lockReason } from "./decision_bar.js";
-import { CheckField, GUESSES, METHODS, NumberField, SelectField } from "./inputs.js";
+import { Covariances } from "./covariances.js";
+import { effectParts, isMade, stopReason } from "./decision_bar.js";
+import { CheckField, GUESSES, METHODS, NumberField, numbers, SelectField, Sessions } from "./inputs.js";
 import { useFetched } from "./use.js";
 
 /** @typedef {import("../store.js").Schemas["Job"]} Job */
 /** @typedef {import("../store.js").Schemas["StartJob"]} StartJob */
 
-const DETECT = { radius_m: "1", angle_deg: "30", iterations: "5", min_graph_distance: "10", method: "visual", guess: "none", intra: true, inter: true };
-const REFINE = { type: "", first: "0", last: "0", method: "visual", covariance_only: false, intra: true, inter: true };
+const DETECT = { radius_m: "1", min_radius_m: "0", angle_deg: "30", iterations: "5", min_graph_distance: "10", method: "visual", guess: "none", intra: true, inter: true, session: "" };
+const REFINE = { type: "", first: "0", last: "0", method: "visual", covariance_only: false, intra: true, inter: true, session: "" };
 /** @type {[string, string][]} */
-const TYPES = [["", "all types"], ["Neighbor", "neighbours"], ["GlobalClosure", "global loops"], ["LocalSpaceClosure", "proximity"], ["UserClosure", "by hand"]];
+const TYPES = [["", "all types"], ["Neighbor", "neighbours"], ["GlobalClosure", "global loops"], ["LocalSpaceClosure", "proximity"], ["LocalTimeClosure", "in time"], ["UserClosure", "by hand"], ["NeighborMerged", "bridges"]];
 
 /** @param {{map: string}} props */
 export function Jobs({ map }) {
   const { data } = useFetched((signal) => get("/api/maps/{map}/job", { path: { map }, signal }), [map]);
   const [heard, setHeard] = useState(/** @type {Job | null} */ (null));
   useEffect(() => on("job", (value, of) => of === map && setHeard(value)), [map]);
-  const [kind, setKind] = useState(/** @type {"detect" | "refine"} */ ("detect"));
+  const [kind, setKind] = useState(/** @type {"detect" | "refine" | "covariances"} */ ("detect"));
   const [detect, setDetect] = useState(DETECT);
   const [refine, setRefine] = useState(REFINE);
   const job = heard ?? data.value?.job ?? null;
-  const locked = lockReason();
+  const locked = stopReason();
   const running = job?.state === "running";
   const start = async () => {
     const { type, ...rest } = refine;
@@ -42,20 +43,17 @@ export function Jobs({ map }) {
     <div class="form-row" role="group" aria-label="What to do">
       ${h(Chip, { label: "Detect more loops", on: kind === "detect", onChange: () => setKind("detect") })}
       ${h(Chip, { label: "Refine links", on: kind === "refine", onChange: () => setKind("refine") })}
+      ${h(Chip, { label: "Type covariances", on: kind === "covariances", onChange: () => setKind("covariances") })}
     </div>
-    ${kind === "detect" ? h(DetectForm, { wanted: detect, onChange: setDetect }) : h(RefineForm, { wanted: refine, onChange: setRefine })}
-    <div class="form-row">
+    ${kind === "covariances" ? h(Covariances, {}) : kind === "detect" ? h(DetectForm, { wanted: detect, onChange: setDetect }) : h(RefineForm, { wanted: refine, onChange: setRefine })}
+    ${kind !== "covariances" && isMade() && html`<p class="note" id="jobs-held">${locked}.</p>`}
+    ${kind !== "covariances" &&
+    html`<div class="form-row">
       ${h(Author, {})}<span class="grow"></span>
       ${h(Button, { id: "job-start", label: "Start", kind: "accent", hint: locked ?? "What it finds is one batch: one undo takes all of it back", disabled: running || !!locked, onClick: () => void start() })}
-    </div>
+    </div>`}
     ${job && h(JobPanel, { job, onCancel: cancel })}
   </div>`;
-}
-
-/** Fields hold text. @template {Record<string, string | boolean>} T @param {T} fields */
-function numbers(fields) {
-  const worth = (/** @type {string | boolean} */ value) => (typeof value === "string" && value.trim() && Number.isFinite(Number(value)) ? Number(value) : value);
-  return Object.fromEntries(Object.entries(fields).map(([name, value]) => [name, worth(value)]));
 }
 
 /** @param {{wanted: typeof DETECT, onChange: (wanted: typeof DETECT) => void}} props */
@@ -63,6 +61,7 @@ function DetectForm({ wanted, onChange }) {
   const set = (/** @type {Partial<typeof DETECT>} */ change) => onChange({ ...wanted, ...change });
   return html`<div class="form-row">
     ${h(NumberField, { label: "Radius (m)", value: wanted.radius_m, hint: "Largest distance of two nodes", onChange: (radius_m) => set({ radius_m }) })}
+    ${h(NumberField, { label: "at least (m)", value: wanted.min_radius_m, hint: "Smallest distance of two nodes", onChange: (min_radius_m) => set({ min_radius_m }) })}
     ${h(NumberField, { label: "Angle (°)", value: wanted.angle_deg, hint: "Largest angle between where they look", onChange: (angle_deg) => set({ angle_deg }) })}
     ${h(NumberField, { label: "Rounds", value: wanted.iterations, step: "1", hint: "Each with the poses of the last", onChange: (iterations) => set({ iterations }) })}
     ${h(NumberField, { label: "Links apart", value: wanted.min_graph_distance, step: "1", hint: "Fewest links between two nodes of a session", onChange: (min_graph_distance) => set({ min_graph_distance }) })}
@@ -83,14 +82,6 @@ function RefineForm({ wanted, onChange }) {
     ${h(CheckField, { label: "covariances alone", on: wanted.covariance_only, onChange: (covariance_only) => set({ covariance_only }) })}
     ${h(Sessions, { wanted, onChange: set })}
   </div>`;
-}
-
-/** @param {{wanted: {intra: boolean, inter: boolean}, onChange: (change: {intra?: boolean, inter?: boolean}) => void}} props */
-function Sessions({ wanted, onChange }) {
-  return html`<span class="form-row">
-    ${h(CheckField, { label: "within a session", on: wanted.intra, onChange: (intra) => onChange({ intra }) })}
-    ${h(CheckField, { label: "between sessions", on: wanted.inter, onChange: (inter) => onChange({ inter }) })}
-  </span>`;
 }
 
 /** @type {Record<Job["state"], string>} */

@@ -16,7 +16,9 @@ import { useChanged, useFetched } from "./use.js";
 
 /** Of one batch so many loops are named; the rest is behind a fold. */
 const MOST_NAMED = 4;
-const VERDICTS = ["approve", "reject", "add", "undo", "redo"];
+const VERDICTS = ["approve", "reject", "add"];
+/** Their notes say what nothing else does. */
+const NOTED = ["label", "prior", "covariance"];
 
 /** @param {{map: string, quiet: boolean}} props quiet: what the last decision did is said elsewhere */
 export function Journal({ map, quiet }) {
@@ -30,7 +32,7 @@ export function Journal({ map, quiet }) {
     <div class="view-tools">${h(Author, {})}<span class="grow"></span>${answer("undo", "U")}${answer("redo", "⇧U")}</div>
     ${!quiet && h(EffectLine, {})}
     ${batches.length
-      ? html`<ol class="journal">${batches.map((batch) => h(Batch, { key: batch[0].id, batch }))}</ol>`
+      ? html`<ol class="journal">${batches.map((batch) => h(Batch, { key: batch[0].id, batch, loops: batch.every((entry) => isVerdict(entry, data.value?.entries ?? [])) }))}</ol>`
       : h(Empty, { icon: "loops", title: "Nobody has decided anything on this map", children: "Approve (A) or reject (R) a loop of the queue; each decision is kept here and can be undone (U)." })}
   </div>`;
 }
@@ -42,16 +44,23 @@ function answer(action, keys) {
   return h(Button, { id: `journal-${action}`, label, keys, hint: locked ?? hint, disabled: deciding.value || locked !== null, onClick: () => void decide({ action }) });
 }
 
-/** @param {{batch: Entry[], key?: unknown}} props */
-function Batch({ batch }) {
+/** Whether an entry is about a loop being true, or takes such a one back. @param {Entry} entry @param {Entry[]} all @returns {boolean} */
+function isVerdict(entry, all) {
+  if (VERDICTS.includes(entry.action)) return true;
+  const back = all.find(({ undone_by: by }) => by === entry.id);
+  return back !== undefined && isVerdict(back, all);
+}
+
+/** @param {{batch: Entry[], loops: boolean, key?: unknown}} props */
+function Batch({ batch, loops }) {
   const [first] = batch;
   const undone = batch.every((entry) => entry.undone_by);
   const [named, rest] = batch.length > MOST_NAMED + 1 ? [batch.slice(0, MOST_NAMED), batch.slice(MOST_NAMED)] : [batch, []];
   const actions = [...new Set(batch.map(({ action }) => PAST[action] ?? action))].join(", ");
   return html`<li class=${undone ? "undone" : ""}>
     <div>
-      <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} ${batch.every(({ action }) => VERDICTS.includes(action)) ? "loops" : "entries"}` : ""}</b>
-      ${batch.length === 1 && name(first)}
+      <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} ${loops ? "loops" : "entries"}` : ""}</b>
+      ${batch.length === 1 && name(first)} ${NOTED.includes(first.action) && html`<span class="quiet small clip">${first.note}</span>`}
       <span class="quiet grow right small" title=${new Date(first.time * 1000).toLocaleString()}>${first.author} · ${text.ago(first.time)}${undone ? " · undone" : ""}</span>
     </div>
     ${batch.length > 1 &&

@@ -74,10 +74,10 @@ function rampEntries(colour) {
 }
 
 /** @param {import("../store.js").Schemas["Scene"]} now @returns {Entry[]} */
-function ghostEntries({ layers, what_if: threshold }) {
-  if (threshold === null || !layers.graph) return [];
+function ghostEntries({ layers, what_if: threshold, trial }) {
+  if ((threshold === null && trial === null) || !layers.graph) return [];
   return [
-    { token: "coming", label: `at LoopThr ${text.short(threshold)}`, kind: "dash" },
+    { token: "coming", label: threshold === null ? `by trial ${trial}` : `at LoopThr ${text.short(threshold)}`, kind: "dash" },
     { token: "going", label: "would go", kind: "line" },
   ];
 }

@@ -2,6 +2,7 @@
 import { h, html } from "../html.js";
 import { get } from "../api.js";
 import * as text from "../format.js";
+import { useKeys } from "../keys.js";
 import { link as linkTo } from "../router.js";
 import { graphRevision, inForce } from "../store.js";
 import { weightOf, weights } from "../weights.js";
@@ -9,10 +10,11 @@ import { Belief } from "./belief.js";
 import { DecisionBar } from "./decision_bar.js";
 import { Facts } from "./facts.js";
 import { LinkName } from "./link_name.js";
+import { WalkLine, walkOn } from "./link_walk.js";
 import { ALIKE, SUSPECT, sigmaText } from "./loop_columns.js";
 import { MatchPicture } from "./matches.js";
 import { Overlay } from "./overlay.js";
-import { rotationText, translationText } from "./pose.js";
+import { Poses } from "./pose.js";
 import { Failed, Loading } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
 
@@ -36,26 +38,40 @@ export function LinkEvidence({ map, link, row, onStep, onDecided }) {
     [map, from, to],
   );
   useChanged(graphRevision, reload, 300);
-  if (error.value) return h(Failed, { error: error.value, what: `Link ${from} → ${to} can't be shown.`, onRetry: reload });
   const found = data.value;
   const decided = () => (reload(), onDecided());
+  // A link that the queue does not list is walked along the path.
+  const step = (/** @type {number} */ by) => (row ? onStep(by) : walkOn(found?.walk, by));
+  useKeys(row ? {} : { j: () => step(1), k: () => step(-1) });
+  if (error.value) return h(Failed, { error: error.value, what: `Link ${from} → ${to} can't be shown.`, onRetry: reload });
   // The row of the queue knows enough to decide before the evidence is here.
   const known = found ?? row;
   return html`<section class="evidence" aria-label=${`Link ${from} to ${to}`}>
     <div class="evidence-body">${found ? details(map, found) : h(Loading, {})}</div>
-    ${h(DecisionBar, { from, to, state: known?.state ?? null, type: known?.type ?? null, measured: !found || found.transform !== null, onStep, onDecided: decided })}
+    ${h(DecisionBar, { from, to, state: known?.state ?? null, type: known?.type ?? null, measured: !found || found.transform !== null, onStep: step, onDecided: decided })}
   </section>`;
 }
 
 /** @param {string} map @param {LinkDetail} found */
 function details(map, found) {
   const { from, to, transform, update, posterior } = found;
-  return html`${h(MatchPicture, { map, from, to })}
+  return html`${h(WalkLine, { walk: found.walk })}${h(MatchPicture, { map, from, to })}
     ${h(Overlay, { from, to, measured: transform !== null })}
     ${h(Facts, { facts: facts(found) })}
+    ${transform && h(Poses, { rows: compared(found) })} ${found.problem && html`<p class="ink-bad small">${found.problem}</p>`}
     <p class=${`why why-${tone(found)}`} id="why">${found.explanation}</p>
     ${update !== null && posterior !== null && h(Belief, { map, update, place: from === update ? to : from })}
     ${found.covariance && covariance(found.covariance)}`;
+}
+
+/** What was measured beside what the graph made of it. @param {LinkDetail} found @returns {[string, import("./pose.js").Pose, string?][]} */
+function compared({ transform, optimized, off, off_m, off_deg }) {
+  const apart = off ? `${text.length(off_m)} and ${text.fixed(off_deg, 2)} ° apart` : undefined;
+  return [
+    ["Measured", transform, "As the link has it"],
+    ["Optimised", optimized, "As the optimised poses have it"],
+    ["Apart", off, apart],
+  ];
 }
 
 const AXES = ["x", "y", "z", "roll", "pitch", "yaw"];
@@ -84,17 +100,24 @@ function facts(found) {
     ["Link", html`${node(from)} → ${node(to)} ${h(LinkName, { type })}`],
     ["P", posterior === null ? text.NONE : `${text.fixed(posterior)} ${enough} ${text.short(loopThr)} LoopThr`],
     ["Inliers", matches === null || matches < 0 ? text.NONE : `${inliers} of ${matches}`],
-    ["Translation", transform ? translationText(transform) : text.NONE],
     ["Sigma", sigma ? `${text.length(Math.max(...sigma))} · ${text.fixed(Math.max(...(sigmaDeg ?? [])), 2)} °` : text.NONE, "Largest of the three axes"],
-    ["Rotation", transform ? rotationText(transform) : text.NONE],
     ["Residual", found.residual_sigma === null ? text.NONE : `${sigmaText(found.residual_sigma)} σ`],
     ["χ²", found.chi2 === null ? text.NONE : chi2Text(found.chi2, share), "Its squared residual, and its share of the whole graph's"],
     ["Odometry", doubt?.odometry == null ? text.NONE : `${sigmaText(doubt.odometry)} σ away`, "How far odometry alone is from this transform"],
     ["Near by", doubt?.compared ? `${doubt.agreeing} of ${doubt.compared} loops agree` : text.NONE, "Loops near by, each with the odometry between"],
     ["Look-alike", alike ? html`${node(alike.node)} <span class=${alike.share >= ALIKE ? "ink-bad strong" : ""}>${text.fixed(100 * alike.share, 0)} %</span> as likely` : text.NONE, alike ? `The place elsewhere that rivals it most, ${text.length(alike.distance_m)} away` : "No place elsewhere in the map rivals it"],
     ...(weight === null ? [] : [/** @type {import("./facts.js").Fact} */ (["GNC", html`weight <b class=${weight < 0.5 ? "ink-bad" : ""}>${text.fixed(weight)}</b>${weights.value?.stale ? " before the last change" : ""}`, "How much graduated non-convexity lets it count"])]),
+    ["Moved", found.off_m === null ? text.NONE : `${text.length(found.off_m)} · ${text.fixed(found.off_deg, 2)} °`, "How far the optimised transform is from the measured one"],
+    ...attached(found),
     ["Distance", transform ? `${text.length(found.translation_m)} · ${text.fixed(found.rotation_deg, 1)} °` : text.NONE],
   ];
+}
+
+/** What is stored with it besides. @param {LinkDetail} found @returns {import("./facts.js").Fact[]} */
+function attached({ merged_scans: scans, user_data: data }) {
+  if (scans.length) return [["Scans", html`<span class="clip" title=${`Nodes ${scans.join(", ")}`}>of ${text.plural(scans.length, "node")}: ${scans.join(", ")}</span>`, "Their scans were put together to make it"]];
+  if (!data) return [];
+  return [["User data", data.text ?? `${data.rows} × ${data.columns} ${data.type}, ${text.size(data.bytes)}`]];
 }
 
 /** @param {number} chi2 @param {number | null} share */

@@ -11,7 +11,8 @@ import { useFetched } from "./use.js";
 
 /** @typedef {import("../store.js").Schemas["LinkMatches"]} LinkMatches */
 
-const GAP = 2;
+/** Pixels between both images. */
+export const GAP = 2;
 const INLIER = "#4be08f";
 const OUTLIER = "#ff5a5a";
 const LINE_ROOM_PX = 3;
@@ -72,7 +73,6 @@ function drawMatches(ctx, matches, half) {
 }
 
 /**
- * A point for each match, and as many lines as one can tell apart.
  * @param {CanvasRenderingContext2D} ctx
  * @param {LinkMatches} matches
  * @param {number} half
@@ -80,18 +80,30 @@ function drawMatches(ctx, matches, half) {
  */
 function drawKind(ctx, matches, half, inlier) {
   const ends = endPoints(matches, half, inlier);
+  if (inlier) drawLines(ctx, ends, half, { colour: INLIER, width: 1, alpha: 0.6, points: 0.85 });
+  else drawLines(ctx, ends, half, { colour: OUTLIER, width: 0.7, alpha: 0.35, points: 0.5 });
+}
+
+/**
+ * A point at each end, and as many lines as one can tell apart.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number[][]} ends x and y of both ends
+ * @param {number} half width of one image
+ * @param {{colour: string, width: number, alpha: number, points: number}} ink opacity of lines and of points
+ */
+export function drawLines(ctx, ends, half, { colour, width, alpha, points }) {
   const every = Math.ceil(ends.length / (half / LINE_ROOM_PX));
-  ctx.strokeStyle = ctx.fillStyle = inlier ? INLIER : OUTLIER;
-  ctx.lineWidth = inlier ? 1 : 0.7;
+  ctx.strokeStyle = ctx.fillStyle = colour;
+  ctx.lineWidth = width;
   ends.forEach(([ax, ay, bx, by], index) => {
     if (index % every === 0) {
-      ctx.globalAlpha = inlier ? 0.6 : 0.35;
+      ctx.globalAlpha = alpha;
       ctx.beginPath();
       ctx.moveTo(ax, ay);
       ctx.lineTo(bx, by);
       ctx.stroke();
     }
-    ctx.globalAlpha = inlier ? 0.85 : 0.5;
+    ctx.globalAlpha = points;
     ctx.fillRect(ax - 1, ay - 1, 2, 2);
     ctx.fillRect(bx - 1, by - 1, 2, 2);
   });

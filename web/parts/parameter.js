@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { cx, h, html } from "../html.js";
 import { setParameters } from "../actions.js";
 import { link } from "../router.js";
+import { drafted, draftValue } from "../trials.js";
 import { Button } from "./button.js";
 import { Badge } from "./facts.js";
 import { Foresight } from "./foresight.js";
@@ -15,21 +16,22 @@ const EFFECT_WORDS = { live: "takes effect at once", "next session": "takes effe
 /** While a slider moves, the engine hears of it this often at most. */
 const SEND_EVERY_MS = 150;
 
-/** @param {{entry: ParameterEntry, live: boolean, key?: unknown}} props */
-export function Parameter({ entry, live }) {
+/** @param {{entry: ParameterEntry, live: boolean, gathered: boolean, key?: unknown}} props gathered: changes go into the draft */
+export function Parameter({ entry, live, gathered }) {
   const { name, value, unit, meaning, effect } = entry;
-  const [draft, setDraft] = useState(/** @type {Value | null} */ (null));
-  const send = useSender(name, () => setDraft(null));
-  const change = (/** @type {Value} */ next) => (setDraft(next), send(next));
+  const [sent, setSent] = useState(/** @type {Value | null} */ (null));
+  const send = useSender(name, () => setSent(null));
+  const change = (/** @type {Value} */ next) => (gathered ? draftValue(name, next, value) : (setSent(next), send(next)));
+  const draft = gathered ? (drafted.value[name] ?? null) : sent;
   const shown = draft ?? value;
-  const locked = !live || effect !== "live";
+  const locked = !gathered && effect !== "live";
   const differs = value !== entry.default;
-  return html`<div class="param" data-name=${name}>
+  return html`<div class=${cx("param", gathered && draft !== null && "param-drafted")} data-name=${name}>
     <div class="param-head">
       <label for=${name} class="param-name clip">${name}</label>
       ${effect !== "live" && h(Badge, { tone: "quiet", hint: EFFECT_WORDS[effect], children: effect })}
       <span class="grow"></span>
-      ${differs &&
+      ${(gathered ? shown !== entry.default : differs) &&
       h(Button, {
         icon: "reset",
         kind: "bare",
@@ -42,14 +44,14 @@ export function Parameter({ entry, live }) {
       </output>
     </div>
     ${h(Control, { entry, value: shown, disabled: locked, onChange: change })}
-    ${live && h(Foresight, { parameter: name, draft: Number(shown), inForce: Number(value) })}
+    ${(live || draft !== null) && h(Foresight, { parameter: name, draft: Number(shown), inForce: Number(value) })}
     ${name === "Rtabmap/LoopThr" && html`<p class="small"><a href=${link({ view: "loops", query: { tab: "what-if" } })}>What if it were another? Loops that would come and go</a></p>`}
     <p class="quiet small">${meaning} <span class="param-limits">${limits(entry)}</span></p>
   </div>`;
 }
 
 /** @param {Value} value */
-function valueText(value) {
+export function valueText(value) {
   if (typeof value === "boolean") return value ? "on" : "off";
   return typeof value === "number" ? String(value) : value.length > 24 ? `${value.slice(0, 24)}…` : value;
 }

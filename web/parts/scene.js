@@ -36,8 +36,11 @@ export function SceneView() {
   </section>`;
 }
 
-/** Ghosts that somebody left, perhaps in another browser, can be put away. @param {import("../store.js").Schemas["Scene"] | null} now */
+/** Ghosts that were left by a reload can be put away. @param {import("../store.js").Schemas["Scene"] | null} now */
 function ghostChip(now) {
+  if (now !== null && now.what_if === null && now.trial !== null) {
+    return h(Chip, { label: `Trial ${now.trial} ×`, hint: "Ghosts of a trial of parameters are shown; click to hide them", on: true, onChange: () => void setScene({ trial: null }) });
+  }
   if (now === null || now.what_if === null || draft.value !== null) return null;
   return h(Chip, { label: `What if ${text.short(now.what_if)} ×`, hint: "Ghosts of another LoopThr are shown; click to hide them", on: true, onChange: () => void setScene({ what_if: null }) });
 }

@@ -4,6 +4,7 @@ import { html } from "../html.js";
 import { address } from "../api.js";
 import { color, theme } from "../theme.js";
 import { setScene } from "../actions.js";
+import { viewer } from "../viewer.js";
 import { openPalette } from "./palette.js";
 
 /** viser draws on a transparent canvas; its panels repeat what the page has, and its notices cover the layers. */
@@ -24,7 +25,7 @@ export function SceneFrame({ map }) {
     ref=${frame}
     class="scene-frame"
     title=${`3D view of ${map}`}
-    src=${`${address("viser", map)}/?hideViserLogo`}
+    src=${`${address("viser", map, `@${viewer}`)}/?hideViserLogo`}
     onLoad=${(/** @type {{currentTarget: HTMLIFrameElement}} */ { currentTarget }) => {
       paint(currentTarget);
       listen(currentTarget);

@@ -2,6 +2,7 @@
 import { h, html } from "../html.js";
 import * as text from "../format.js";
 import { Facts } from "./facts.js";
+import { rotationText, translationText } from "./pose.js";
 
 /** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
 /** @typedef {import("./facts.js").Fact} Fact */
@@ -19,9 +20,10 @@ export function Sensors({ node }) {
 
 /** @param {NodeDetail} node @returns {Fact[]} */
 function cameraFacts({ cameras }) {
-  return cameras.map(({ width, height, fx, fy, baseline_m }, at) => [
+  return cameras.map(({ width, height, fx, fy, cx, cy, baseline_m, mount }, at) => [
     cameras.length > 1 ? `Camera ${at + 1}` : "Camera",
-    `${width} × ${height}, f ${text.fixed(fx, 1)}, ${text.fixed(fy, 1)} px${baseline_m ? `, baseline ${text.length(baseline_m)}` : ""}`,
+    html`${width} × ${height}, f ${text.fixed(fx, 1)}, ${text.fixed(fy, 1)}, c ${text.fixed(cx, 1)}, ${text.fixed(cy, 1)} px${baseline_m ? `, baseline ${text.length(baseline_m)}` : ""}`,
+    mount ? `In the base frame: ${translationText(mount)}, ${rotationText(mount)}` : undefined,
   ]);
 }
 
@@ -29,10 +31,11 @@ function cameraFacts({ cameras }) {
 function placeFacts({ sensors: { scan, grid, gps } }) {
   /** @type {Fact[]} */
   const facts = [];
-  if (scan) facts.push(["Scan", `${text.plural(scan.points, "point")}${scan.normals ? " with normals" : ""}, up to ${text.length(scan.range_m)}`]);
+  if (scan) facts.push(["Scan", scanText(scan), scanHint(scan)]);
   if (grid) {
-    const { ground, obstacles, empty, cell_size_m } = grid;
-    facts.push(["Local grid", `${ground} ground, ${obstacles} obstacle, ${empty} empty cells of ${text.length(cell_size_m)}`]);
+    const { ground, obstacles, empty, cell_size_m, reach_m } = grid;
+    const side = text.length(2 * reach_m);
+    facts.push(["Local grid", `${ground} ground, ${obstacles} obstacle, ${empty} empty cells of ${text.length(cell_size_m)}`, `${side} × ${side} around the base`]);
   }
   if (gps) {
     const where = `${text.fixed(gps.latitude, 6)}°, ${text.fixed(gps.longitude, 6)}°, ${text.fixed(gps.altitude, 1)} m`;
@@ -40,6 +43,24 @@ function placeFacts({ sensors: { scan, grid, gps } }) {
     facts.push(["GPS", where, hint]);
   }
   return facts;
+}
+
+/** @typedef {NonNullable<NodeDetail["sensors"]["scan"]>} Scan */
+
+/** @param {Scan} scan */
+function scanText({ points, most, format, range_m }) {
+  return `${text.whole(points)}${most > points ? ` of ${text.whole(most)}` : ""} points of ${format}, up to ${text.length(range_m)}`;
+}
+
+/** What the file says of the scanner. @param {Scan} scan */
+function scanHint({ scanner_range_m: range, angles_deg: angles, mount }) {
+  return [
+    range && `measures ${text.length(range[0])} to ${text.length(range[1])}`,
+    angles && `${text.fixed(angles[0], 1)}° to ${text.fixed(angles[1], 1)}° in steps of ${text.fixed(angles[2], 2)}°`,
+    mount && `in the base frame: ${translationText(mount)}, ${rotationText(mount)}`,
+  ]
+    .filter(Boolean)
+    .join("; ");
 }
 
 /** @param {NodeDetail} node @returns {Fact[]} */
@@ -57,8 +78,8 @@ function attachedFacts({ sensors: { vectors, user_data } }) {
   /** @type {Fact[]} */
   const facts = vectors.map(({ type, size }) => ["Global descriptor", `${text.whole(size)} numbers, type ${type}`]);
   if (user_data) {
-    const { rows, columns, type, text: words } = user_data;
-    facts.push(["User data", words ?? `${rows} × ${columns} ${type}`]);
+    const { rows, columns, type, bytes, text: words } = user_data;
+    facts.push(["User data", words ?? `${rows} × ${columns} ${type}, ${text.size(bytes)}`]);
   }
   return facts;
 }

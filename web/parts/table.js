@@ -23,7 +23,8 @@ import { cx, html } from "../html.js";
  * @property {(index: number) => T | undefined} rowAt undefined while the row is on its way
  * @property {(first: number, last: number) => void} [onRange] rows in sight
  * @property {number} selected index, -1 for none
- * @property {(index: number) => void} onSelect
+ * @property {(index: number, event?: MouseEvent) => void} onSelect
+ * @property {(index: number) => boolean} [chosen] whether a row is one of several that are chosen together
  * @property {string} order a column's key, with a minus in front for descending
  * @property {(order: string) => void} onOrder
  */
@@ -53,6 +54,7 @@ export function Table(props) {
     role="table"
     aria-label=${props.label}
     aria-rowcount=${total + 1}
+    aria-multiselectable=${props.chosen ? "true" : undefined}
   >
     <div class="table-head" role="row" aria-rowindex="1" style=${{ gridTemplateColumns: tracks }}>
       ${columns.map((column) => header(column, props))}
@@ -95,7 +97,7 @@ function header({ key, label, number, sortable, hint }, { order, onOrder }) {
  * @param {string} tracks
  * @param {TableProps<T>} props
  */
-function tableRow(index, tracks, { columns, rowAt, selected, onSelect }) {
+function tableRow(index, tracks, { columns, rowAt, selected, chosen, onSelect }) {
   const row = rowAt(index);
   const cells = columns.map(
     ({ key, number, cell }) =>
@@ -105,10 +107,11 @@ function tableRow(index, tracks, { columns, rowAt, selected, onSelect }) {
     key=${index}
     role="row"
     aria-rowindex=${index + 2}
-    aria-selected=${index === selected}
-    class="table-row"
+    aria-selected=${index === selected || Boolean(chosen?.(index))}
+    class=${cx("table-row", chosen?.(index) && "chosen")}
     style=${{ gridTemplateColumns: tracks, transform: `translateY(${index * ROW_PX}px)` }}
-    onClick=${() => onSelect(index)}
+    onMouseDown=${(/** @type {MouseEvent} */ event) => chosen && event.shiftKey && event.preventDefault()}
+    onClick=${(/** @type {MouseEvent} */ event) => onSelect(index, event)}
   >
     ${cells}
   </div>`;

@@ -5,7 +5,9 @@ import { setParameters } from "../actions.js";
 import { draft, foresee, foreseeError, foreseen, leave, mostPending, tryOut } from "../draft.js";
 import * as text from "../format.js";
 import { go } from "../router.js";
-import { graphRevision, inForce, session } from "../store.js";
+import { graphRevision, inForce } from "../store.js";
+import { VerdictButton } from "./bulk.js";
+import { isMade, lockReason } from "./decision_bar.js";
 import { Badge, Facts } from "./facts.js";
 import { Button, Chip } from "./button.js";
 import { Empty, Failed, Loading } from "./state.js";
@@ -45,6 +47,7 @@ export function WhatIfPanel({ map, selected }) {
         h(Chip, { key: one, label: `${OUTCOMES[one][1]} ${text.whole(found.counts[one])}`, hint: OUTCOMES[one][2], on: outcomes.includes(one), onChange: (on) => toggle(one, on) }),
       )}
     </div>
+    ${h(Verdicts, { found })}
     <div class="what-if-facts">${h(Progress, { found })}${h(Facts, { facts: facts(found) })}</div>
     <div class="view-table">
       ${rows.length
@@ -66,7 +69,8 @@ export function WhatIfPanel({ map, selected }) {
 /** @param {{now: number}} props */
 function Threshold({ now }) {
   const value = draft.value ?? now;
-  const live = session.value?.map != null && ["running", "paused"].includes(session.value.state) && location.hash.includes(`/map/${encodeURIComponent(session.value.map)}/`);
+  const live = isMade();
+  const locked = live ? null : lockReason();
   const apply = async () => void ((await setParameters({ [LOOP_THR]: value })) && foresee());
   const set = (/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => currentTarget.value !== "" && tryOut(Number(currentTarget.value));
   return html`<div class="what-if-threshold">
@@ -78,10 +82,23 @@ function Threshold({ now }) {
       id: "what-if-apply",
       label: "Apply",
       kind: "accent",
-      hint: live ? "Set it in the running engine, from the next frame on" : "No engine is mapping this map now: it can only be set in a run",
-      disabled: !live || value === now,
+      hint: locked ?? (live ? "Set it in the running engine, from the next frame on" : "Set it in the map: what a session that goes on with it begins with. Its loops stay; approve or reject those below"),
+      disabled: locked !== null || value === now,
       onClick: () => void apply(),
     })}
+  </div>`;
+}
+
+/** The loops that would come and go, decided at once. @param {{found: WhatIf}} props */
+function Verdicts({ found }) {
+  const of = (/** @type {string} */ wanted) => found.loops.filter(({ outcome }) => outcome === wanted);
+  const [coming, going] = [of("comes"), of("goes")];
+  if (!coming.length && !going.length) return null;
+  const decided = () => void foresee();
+  return html`<div class="view-tools bulk">
+    <span class="quiet small grow">Decide it by hand</span>
+    ${coming.length > 0 && h(VerdictButton, { action: "approve", pairs: coming, hint: "Put the loops that would come into the map; you see first what it would do", onDecided: decided })}
+    ${going.length > 0 && h(VerdictButton, { action: "reject", pairs: going, hint: "Take the loops that would go out of the map; you see first what it would do", onDecided: decided })}
   </div>`;
 }
 
@@ -98,13 +115,14 @@ function Progress({ found: { pending } }) {
 /** @param {WhatIf} found @returns {import("./facts.js").Fact[]} */
 function facts({ graph, precision, recall, ate_now_m: now }) {
   const share = (/** @type {number | null} */ value) => (value === null ? text.NONE : `${text.fixed(100 * value, 1)} %`);
+  const off = graph && graph.stored_off_m > 0.001 ? `. The stored poses are up to ${text.length(graph.stored_off_m)} off the optimum of the same loops` : "";
   const moved = graph ? `${text.plural(graph.moved, "pose")}, max ${text.length(graph.max_shift_m)}` : text.NONE;
   const same = graph?.ate_m != null && now !== null && Math.abs(graph.ate_m - now) < 5e-5;
   return [
     ["Precision", share(precision), "Of the loops that would be in the map and have a label, by ground truth or a person, the share of true ones"],
-    ["Moved", moved, "Poses that would move by more than 1 mm or 0.05 degrees"],
+    ["Moved", moved, `Poses that would move by more than 1 mm or 0.05 degrees from the optimum as it is${off}`],
     ["Recall", share(recall), "Of the true loops that are known, the share that would be in the map"],
-    ["ATE", now === null ? text.NONE : graph ? html`${text.length(now)} → <b class=${cx(!same && (Number(graph.ate_m) > now ? "ink-bad" : "ink-good"))}>${text.length(graph.ate_m)}</b>` : text.length(now), "Trajectory error now, and as it would be"],
+    ["ATE", now === null ? text.NONE : graph ? html`${text.length(now)} → <b class=${cx(!same && (Number(graph.ate_m) > now ? "ink-bad" : "ink-good"))}>${text.length(graph.ate_m)}</b>` : text.length(now), "Trajectory error at the optimum as it is, and as it would be"],
   ];
 }
 

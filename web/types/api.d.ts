@@ -212,6 +212,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/links/covariances": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Edit Covariances
+         * @description Give many links other covariances; their transforms stay.
+         */
+        post: operations["edit_covariances"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/links/{from_id}/{to_id}": {
         parameters: {
             query?: never;
@@ -336,6 +356,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/label": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Label Nodes
+         * @description Give several nodes a numbered label, or take theirs away.
+         */
+        post: operations["label_nodes"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}": {
         parameters: {
             query?: never;
@@ -396,6 +436,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/grid.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Grid
+         * @description The local grid from above, likewise.
+         */
+        get: operations["get_node_grid"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/image": {
         parameters: {
             query?: never;
@@ -436,6 +496,70 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/pair/{other_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Pair
+         * @description What two nodes have in common.
+         */
+        get: operations["get_node_pair"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/pixel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Pixel
+         * @description Depth and point at a place of the images.
+         */
+        get: operations["get_node_pixel"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/prior": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Prior
+         * @description The prior of a node, and whether priors count.
+         */
+        get: operations["get_prior"];
+        put?: never;
+        /**
+         * Edit Prior
+         * @description Give a node a prior, change it, or take it away.
+         */
+        post: operations["edit_prior"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/right": {
         parameters: {
             query?: never;
@@ -448,6 +572,26 @@ export interface paths {
          * @description The right image of a stereo pair as it is stored.
          */
         get: operations["get_node_right"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/scan.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Scan
+         * @description The scan from above: base in the middle, its x axis up.
+         */
+        get: operations["get_node_scan"];
         put?: never;
         post?: never;
         delete?: never;
@@ -475,7 +619,7 @@ export interface paths {
         head?: never;
         /**
          * Change Parameters
-         * @description Change parameters of the engine that runs; answers with the values that it has in force then.
+         * @description Change parameters of the engine that runs, else of the file for its next session; answers with all in force.
          */
         patch: operations["change_parameters"];
         trace?: never;
@@ -560,6 +704,130 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/trials": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Trials
+         * @description All trials of this map, the newest first.
+         */
+        get: operations["get_trials"];
+        put?: never;
+        /**
+         * Start Trial
+         * @description Try parameters: the map's nodes are replayed from what is stored of them, and the map stays as it is.
+         */
+        post: operations["start_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Trial
+         * @description A trial, and both sides of its comparison once it is done.
+         */
+        get: operations["get_trial"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Trial
+         * @description Stop a trial; nothing of it stays. Answers with those that are left.
+         */
+        post: operations["cancel_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/discard": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Discard Trial
+         * @description Forget a trial. Answers with those that are left.
+         */
+        post: operations["discard_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/keep": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Keep Trial
+         * @description Make a new map file of a trial, in the first served folder; a file of that name is never replaced.
+         */
+        post: operations["keep_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/trials/{number}/take-over": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Take Over Trial
+         * @description Give the map the trial's parameters: the running engine from now on, else the file for its next session.
+         */
+        post: operations["take_over_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/what-if/loops": {
         parameters: {
             query?: never;
@@ -599,9 +867,29 @@ export interface paths {
         head?: never;
         /**
          * Change Scene
-         * @description Change some of them, for everybody who looks at this map.
+         * @description Change some of them, for one window, or for all that give no name.
          */
         patch: operations["change_scene"];
+        trace?: never;
+    };
+    "/api/scene/{map}/look": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Look At Selected
+         * @description Bring the camera of a window to the selected node.
+         */
+        post: operations["look_at_selected"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
         trace?: never;
     };
     "/api/session": {
@@ -672,14 +960,71 @@ export interface components {
             fy: number;
             /** Height */
             height: number;
+            /**
+             * Mount
+             * @description Of the optical frame (z forward) in the base frame.
+             */
+            mount?: number[] | null;
             /** Width */
             width: number;
+        };
+        /**
+         * Changes
+         * @description What comes, goes and changes by decisions made together.
+         */
+        Changes: {
+            /**
+             * Changed
+             * @description Links, priors and sightings whose numbers change.
+             */
+            changed: number;
+            /**
+             * Links Gone
+             * @description Between two nodes; loops are counted on their own.
+             */
+            links_gone: number;
+            /** Links New */
+            links_new: number;
+            /** Loops Gone */
+            loops_gone: number;
+            /** Loops New */
+            loops_new: number;
+            /** Nodes Back */
+            nodes_back: number;
+            /** Nodes Gone */
+            nodes_gone: number;
+            /** Priors Gone */
+            priors_gone: number;
+            /** Priors New */
+            priors_new: number;
         };
         /**
          * CloudFacts
          * @description The stored scan of a node.
          */
         CloudFacts: {
+            /**
+             * Angles Deg
+             * @description First, last and step of a planar scanner, where the file says so.
+             */
+            angles_deg: number[] | null;
+            /**
+             * Format
+             * @description What is stored of each point.
+             */
+            format: string;
+            /** Intensities */
+            intensities: boolean;
+            /**
+             * Most
+             * @description Points of a whole sweep; 0 where the file does not say.
+             */
+            most: number;
+            /**
+             * Mount
+             * @description Of the scanner in the base frame.
+             */
+            mount: number[] | null;
             /** Normals */
             normals: boolean;
             /** Points */
@@ -689,6 +1034,69 @@ export interface components {
              * @description Distance of the farthest point from the base.
              */
             range_m: number;
+            /**
+             * Reach M
+             * @description Half of the side of its picture.
+             */
+            reach_m: number;
+            /**
+             * Scanner Range M
+             * @description Least and greatest distance that the scanner measures, where the file says so.
+             */
+            scanner_range_m: number[] | null;
+        };
+        /**
+         * Covariances
+         * @description Covariances for many links.
+         */
+        Covariances: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * First
+             * @default 0
+             */
+            first: number;
+            /**
+             * Inter
+             * @default true
+             */
+            inter: boolean;
+            /**
+             * Intra
+             * @default true
+             */
+            intra: boolean;
+            /**
+             * Last
+             * @description Ids of nodes; 0 for no limit.
+             * @default 0
+             */
+            last: number;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Session
+             * @description Only links of a node of this session; -1 for all.
+             * @default -1
+             */
+            session: number;
+            /**
+             * Sigmas
+             * @description x y z in metres, roll pitch yaw in degrees; 0 where nothing is known.
+             */
+            sigmas: number[];
+            /**
+             * Types
+             * @description None for all links between two nodes; landmarks only where they are named.
+             */
+            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged" | "Landmark")[];
         };
         /**
          * Decision
@@ -753,6 +1161,7 @@ export interface components {
          * @description The decisions as they were journalled, and the graph's new revision.
          */
         DecisionResult: {
+            changes: components["schemas"]["Changes"];
             /**
              * Count
              * @description Loops that it was about.
@@ -761,6 +1170,12 @@ export interface components {
             effect: components["schemas"]["DecisionEffect"];
             /** @description The first of them; of a preview what would be written. */
             entry: components["schemas"]["JournalEntry"];
+            /**
+             * Note
+             * @description What else must be known of it, such as a parameter that keeps it from having an effect.
+             * @default
+             */
+            note: string;
             /** Preview */
             preview: boolean;
             /** Refused */
@@ -824,6 +1239,12 @@ export interface components {
              * @default 1
              */
             radius_m: number;
+            /**
+             * Session
+             * @description Only pairs with a node of this session; -1 for all.
+             * @default -1
+             */
+            session: number;
         };
         /**
          * EditedLink
@@ -939,6 +1360,16 @@ export interface components {
             ground: number;
             /** Obstacles */
             obstacles: number;
+            /**
+             * Reach M
+             * @description Half of the side of its picture.
+             */
+            reach_m: number;
+            /**
+             * View Point
+             * @description Where it was seen from, in the base frame.
+             */
+            view_point: number[];
         };
         /**
          * Hypothesis
@@ -1063,6 +1494,22 @@ export interface components {
             undone_by: number | null;
         };
         /**
+         * KeepTrial
+         * @description The name of a new map file in the first served folder, without ``.db``.
+         */
+        KeepTrial: {
+            /** Name */
+            name: string;
+        };
+        /**
+         * KeptTrial
+         * @description The map that was made of a trial.
+         */
+        KeptTrial: {
+            /** Map */
+            map: string;
+        };
+        /**
          * Landmark
          * @description A tag or marker that nodes saw.
          */
@@ -1157,8 +1604,35 @@ export interface components {
             look_alike: components["schemas"]["LoopRival"] | null;
             /** Matches */
             matches: number | null;
+            /**
+             * Merged Scans
+             * @description Nodes whose scans were put together to make it.
+             */
+            merged_scans: number[];
+            /**
+             * Off
+             * @description The optimised transform as seen from the measured one.
+             */
+            off: number[] | null;
+            /** Off Deg */
+            off_deg: number | null;
+            /**
+             * Off M
+             * @description How far the measured transform is from that.
+             */
+            off_m: number | null;
+            /**
+             * Optimized
+             * @description The same transform by the optimised poses; None where one of the nodes has none.
+             */
+            optimized: number[] | null;
             /** Posterior */
             posterior: number | null;
+            /**
+             * Problem
+             * @description What is stored with it and can't be read, with the reason; empty where all can.
+             */
+            problem: string;
             reason: components["schemas"]["LoopReason"] | null;
             /** Residual Sigma */
             residual_sigma: number | null;
@@ -1183,6 +1657,8 @@ export interface components {
              * @description The node whose update looked at it; None for links that were never a candidate.
              */
             update: number | null;
+            user_data: components["schemas"]["UserData"] | null;
+            walk: components["schemas"]["LinkWalk"];
         };
         /**
          * LinkEdit
@@ -1288,6 +1764,33 @@ export interface components {
             y1: number[];
             /** Y2 */
             y2: number[];
+        };
+        /**
+         * LinkWalk
+         * @description Where a link stands among all of its class, in the order of nodes: odometry's links, or loops in the graph.
+         */
+        LinkWalk: {
+            /**
+             * Index
+             * @description From 1; None where it is not in the graph.
+             */
+            index: number | null;
+            /**
+             * Loops
+             * @description Whether it is walked among loops.
+             */
+            loops: boolean;
+            /** Next */
+            next: number[] | null;
+            /**
+             * Other
+             * @description The nearest link of the other class.
+             */
+            other: number[] | null;
+            /** Previous */
+            previous: number[] | null;
+            /** Total */
+            total: number;
         };
         /**
          * LoopDoubt
@@ -1450,7 +1953,7 @@ export interface components {
         LoopWhatIf: {
             /**
              * Ate Now M
-             * @description Trajectory error of the map as it is.
+             * @description Trajectory error of the map as it is: at its optimum where ``graph`` is asked for, else at the stored poses.
              */
             ate_now_m: number | null;
             /**
@@ -1685,6 +2188,8 @@ export interface components {
             cameras: components["schemas"]["CameraModel"][];
             /** Decisions */
             decisions: components["schemas"]["JournalEntry"][];
+            /** Depth Bytes */
+            depth_bytes: number;
             /**
              * Faults
              * @description What of this node makes no sense; the rest is here.
@@ -1703,6 +2208,8 @@ export interface components {
             has_right: boolean;
             /** Id */
             id: number;
+            /** Image Bytes */
+            image_bytes: number;
             /** Label */
             label: string;
             /** Links */
@@ -1716,6 +2223,13 @@ export interface components {
             /** Pose */
             pose: number[] | null;
             sensors: components["schemas"]["NodeSensors"];
+            /**
+             * Session Index
+             * @description Its place among the nodes of its session, from 1.
+             */
+            session_index: number;
+            /** Session Nodes */
+            session_nodes: number;
             /** Stamp */
             stamp: number;
             /** Statistics */
@@ -1793,14 +2307,46 @@ export interface components {
             label: string;
         };
         /**
+         * NodeLabels
+         * @description A label for several nodes, numbered in the order of their ids; empty takes theirs away.
+         */
+        NodeLabels: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /** Label */
+            label: string;
+            /** Nodes */
+            nodes: number[];
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+        };
+        /**
          * NodeLink
          * @description A link as seen from one of its nodes.
          */
         NodeLink: {
             /** From */
             from: number;
+            /** Sigma Deg */
+            sigma_deg: number | null;
+            /**
+             * Sigma M
+             * @description Largest standard deviation of the three axes; None where nothing is known.
+             */
+            sigma_m: number | null;
             /** To */
             to: number;
+            /**
+             * Transform
+             * @description From the node it starts at; of a prior in the map frame; of gravity its roll and pitch alone count.
+             */
+            transform: number[] | null;
             /** Translation M */
             translation_m: number | null;
             /** Type */
@@ -1811,10 +2357,80 @@ export interface components {
          * @description One page of the node table.
          */
         NodePage: {
+            /**
+             * At
+             * @description Row of the node that was to be found among all; None where it is not among them.
+             */
+            at: number | null;
             /** Nodes */
             nodes: components["schemas"]["NodeRow"][];
             /** Total */
             total: number;
+        };
+        /**
+         * NodePair
+         * @description Two nodes beside each other: the second as seen from the first.
+         */
+        NodePair: {
+            /** Apart S */
+            apart_s: number;
+            /** Links */
+            links: components["schemas"]["NodeLink"][];
+            /** @description By the optimised poses. */
+            map: components["schemas"]["PoseDifference"] | null;
+            /** @description None between sessions, which have odometry of their own. */
+            odometry: components["schemas"]["PoseDifference"] | null;
+            truth: components["schemas"]["PoseDifference"] | null;
+            words: components["schemas"]["SharedWords"];
+        };
+        /**
+         * NodePrior
+         * @description What a node's prior is to be.
+         */
+        NodePrior: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Sigmas
+             * @description Of the same axes, in the frame of the node; three zeros for the angles: only the position is known.
+             */
+            sigmas?: number[] | null;
+            /**
+             * Transform
+             * @description x y z in metres, roll pitch yaw in degrees, map frame; null takes the prior away.
+             */
+            transform?: number[] | null;
+        };
+        /**
+         * NodePriorState
+         * @description The prior of a node as it is.
+         */
+        NodePriorState: {
+            /**
+             * Ignored
+             * @description Whether ``Optimizer/PriorsIgnored`` is on, so that no prior moves anything.
+             */
+            ignored: boolean;
+            /** Sigmas */
+            sigmas: number[] | null;
+            /**
+             * Suggested
+             * @description Where the node is now.
+             */
+            suggested: number[];
+            /**
+             * Transform
+             * @description As in NodePrior; null where the node has none.
+             */
+            transform: number[] | null;
         };
         /**
          * NodeRow
@@ -1949,6 +2565,68 @@ export interface components {
             };
         };
         /**
+         * PixelDepth
+         * @description A pixel of a node's images.
+         */
+        PixelDepth: {
+            /**
+             * Base
+             * @description The point in the base frame, metres.
+             */
+            base: number[] | null;
+            /**
+             * Camera
+             * @description Of several cameras, whose image it is in, from 0.
+             */
+            camera: number;
+            /** Depth Height */
+            depth_height: number;
+            /**
+             * Depth M
+             * @description Along the optical axis; None where no depth was measured.
+             */
+            depth_m: number | null;
+            /**
+             * Depth U
+             * @description Column of the pixel of the depth image.
+             */
+            depth_u: number;
+            /** Depth V */
+            depth_v: number;
+            /** Depth Width */
+            depth_width: number;
+            /**
+             * Map
+             * @description The same in the map frame.
+             */
+            map: number[] | null;
+            /**
+             * Stereo
+             * @description Whether depth is worked out from a stereo pair, and not stored.
+             */
+            stereo: boolean;
+            /**
+             * U
+             * @description Where the centre of the depth pixel is in the colour image, whole numbers at pixel centres; None without a
+             *     calibration that fits.
+             */
+            u: number | null;
+            /** V */
+            v: number | null;
+        };
+        /**
+         * PoseDifference
+         * @description The pose of one node as seen from another.
+         */
+        PoseDifference: {
+            /** Rotation Deg */
+            rotation_deg: number;
+            /** Transform */
+            transform: number[];
+            /** Translation M */
+            translation_m: number;
+        };
+        /**
          * RefineOptions
          * @description Links to register anew, from what they say.
          */
@@ -1975,6 +2653,7 @@ export interface components {
             intra: boolean;
             /**
              * Last
+             * @description Ids of nodes; 0 for no limit.
              * @default 0
              */
             last: number;
@@ -1985,10 +2664,16 @@ export interface components {
              */
             method: "visual" | "icp" | "both";
             /**
-             * Types
-             * @description None for all.
+             * Session
+             * @description Only links of a node of this session; -1 for all.
+             * @default -1
              */
-            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged")[];
+            session: number;
+            /**
+             * Types
+             * @description None for all links between two nodes; landmarks only where they are named.
+             */
+            types?: ("Neighbor" | "GlobalClosure" | "LocalSpaceClosure" | "LocalTimeClosure" | "UserClosure" | "NeighborMerged" | "Landmark")[];
         };
         /**
          * RefusedDecision
@@ -2023,6 +2708,12 @@ export interface components {
          */
         Scene: {
             /**
+             * Alone
+             * @description Whether the selected node is shown without the map around it.
+             * @default false
+             */
+            alone: boolean;
+            /**
              * At
              * @description The node of the update that is shown; null for the map as it is now.
              */
@@ -2039,6 +2730,11 @@ export interface components {
             dark: boolean;
             layers: components["schemas"]["SceneLayers"];
             /**
+             * Node Parts
+             * @description What is shown of the selected node close up.
+             */
+            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[];
+            /**
              * Overlay
              * @description The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds.
              */
@@ -2047,6 +2743,11 @@ export interface components {
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /**
+             * Trial
+             * @description The trial whose loops and path are shown as ghosts, where no threshold's are.
+             */
+            trial?: number | null;
             /**
              * What If
              * @description The ``Rtabmap/LoopThr`` whose loops and path are shown as ghosts.
@@ -2058,6 +2759,8 @@ export interface components {
          * @description What to change; what is left out stays, null deselects, and as ``at`` goes back to now.
          */
         SceneChange: {
+            /** Alone */
+            alone?: boolean | null;
             /** At */
             at?: number | null;
             /** Colour */
@@ -2065,12 +2768,16 @@ export interface components {
             /** Dark */
             dark?: boolean | null;
             layers?: components["schemas"]["LayerChange"] | null;
+            /** Node Parts */
+            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[] | null;
             /** Overlay */
             overlay?: ("link" | "poses") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */
             selected_node?: number | null;
+            /** Trial */
+            trial?: number | null;
             /** What If */
             what_if?: number | null;
         };
@@ -2190,6 +2897,38 @@ export interface components {
             source: string;
         };
         /**
+         * SharedWords
+         * @description Key points of two nodes that are the same words.
+         */
+        SharedWords: {
+            /** A */
+            a: number[];
+            /** B */
+            b: number[];
+            /**
+             * Of
+             * @description Different words of each.
+             */
+            of: number[];
+            /**
+             * Shared A
+             * @description Key points of the first node whose word the second has too.
+             */
+            shared_a: number[];
+            /** Shared B */
+            shared_b: number[];
+            /**
+             * Word
+             * @description Words that each has once; entry i of the next two lists is that key point.
+             */
+            word: number[];
+            /**
+             * Words
+             * @description Different words that both have.
+             */
+            words: number;
+        };
+        /**
          * Size
          * @description Of an image, in pixels.
          */
@@ -2250,6 +2989,16 @@ export interface components {
             speed: number;
         };
         /**
+         * StartTrial
+         * @description Parameters to try, by name.
+         */
+        StartTrial: {
+            /** Changes */
+            changes: {
+                [key: string]: boolean | number | string;
+            };
+        };
+        /**
          * StatisticNames
          * @description All names that the map has, sorted.
          */
@@ -2270,6 +3019,20 @@ export interface components {
             values: {
                 [key: string]: (number | null)[];
             };
+        };
+        /**
+         * TakenOver
+         * @description What became of parameters that were taken over.
+         */
+        TakenOver: {
+            /** Applied */
+            applied: string[];
+            /**
+             * Left
+             * @description Those that a running engine can't change: they need a session of their own.
+             */
+            left: string[];
+            parameters: components["schemas"]["ParameterSet"];
         };
         /**
          * Tier
@@ -2323,10 +3086,211 @@ export interface components {
             stamps: number[];
         };
         /**
+         * Trial
+         * @description A trial of a map, under way or done.
+         */
+        Trial: {
+            /** Changes */
+            changes: components["schemas"]["TrialChange"][];
+            /** Number */
+            number: number;
+            /**
+             * Seconds
+             * @description That it took.
+             */
+            seconds: number;
+            /**
+             * Share
+             * @description How much of it is done, 0 to 1.
+             */
+            share: number;
+            /**
+             * Stale
+             * @description Whether the map has changed since: its outcome is that of the map as it was then.
+             */
+            stale: boolean;
+            /**
+             * Started
+             * @description Seconds since 1970.
+             */
+            started: number;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "running" | "done" | "failed";
+            /**
+             * Text
+             * @description What is being done, or why it failed.
+             */
+            text: string;
+        };
+        /**
+         * TrialChange
+         * @description A parameter that is tried.
+         */
+        TrialChange: {
+            /** Before */
+            before: boolean | number | string;
+            /** Name */
+            name: string;
+            /** Value */
+            value: boolean | number | string;
+        };
+        /**
+         * TrialComparison
+         * @description Both sides of a trial, and the map as it was made.
+         */
+        TrialComparison: {
+            /** @description Replayed with its own parameters, from the same stored key points: what the trial is compared with. */
+            baseline: components["schemas"]["TrialSide"];
+            /** Came */
+            came: components["schemas"]["TrialLoop"][];
+            /**
+             * Drift M
+             * @description The farthest that a node of the replay as it was is from where the map has it.
+             */
+            drift_m: number;
+            /** Gone */
+            gone: components["schemas"]["TrialLoop"][];
+            /**
+             * Images
+             * @description Why images had to be decoded; empty where stored key points were enough.
+             */
+            images: string;
+            /** Max Shift M */
+            max_shift_m: number;
+            /**
+             * Moved
+             * @description Poses that differ between both replays by more than 1 mm or 0.05 deg.
+             */
+            moved: number;
+            original: components["schemas"]["TrialSide"];
+            tried: components["schemas"]["TrialSide"];
+            /**
+             * Unlike
+             * @description Loops that either the map or its replay as it was has.
+             */
+            unlike: number;
+        };
+        /**
+         * TrialLoop
+         * @description A loop that one of two replays lacks.
+         */
+        TrialLoop: {
+            /**
+             * Key
+             * @description Both ids in this map, newer first, ``147-61``.
+             */
+            key: string;
+            /**
+             * Known
+             * @description Whether this map's review queue has it.
+             */
+            known: boolean;
+            /**
+             * Reason
+             * @description Why the other one does not have it; empty where it never came to be tried.
+             */
+            reason: string;
+            /** Type */
+            type: string;
+        };
+        /**
+         * TrialOutcome
+         * @description A trial with what came of it.
+         */
+        TrialOutcome: {
+            /** @description Null while it runs, and when it failed. */
+            comparison: components["schemas"]["TrialComparison"] | null;
+            trial: components["schemas"]["Trial"];
+        };
+        /**
+         * TrialSide
+         * @description What came of one run; null where its file does not say.
+         */
+        TrialSide: {
+            /** Ate M */
+            ate_m: number | null;
+            /**
+             * Ids
+             * @description Nodes of this map that have a pose.
+             */
+            ids: number[];
+            /**
+             * Loop Pairs
+             * @description Both ids of each loop.
+             */
+            loop_pairs: number[][];
+            /**
+             * Loops
+             * @description By the name of their type.
+             */
+            loops: {
+                [key: string]: number;
+            };
+            /** Loops Total */
+            loops_total: number;
+            /** Ltm End */
+            ltm_end: number | null;
+            /** Max Ms */
+            max_ms: number | null;
+            /**
+             * Median Ms
+             * @description Of the updates.
+             */
+            median_ms: number | null;
+            /** Nodes */
+            nodes: number;
+            /** P95 Ms */
+            p95_ms: number | null;
+            /** Path M */
+            path_m: number;
+            /** Poses */
+            poses: number[][];
+            /**
+             * Refused
+             * @description Pairs that were tried and are no loop.
+             */
+            refused: number;
+            /** Retrieved */
+            retrieved: number | null;
+            /** Sessions */
+            sessions: number;
+            /** Stm Max */
+            stm_max: number | null;
+            /** Transferred */
+            transferred: number | null;
+            /**
+             * Update Ids
+             * @description Nodes of the updates, by their ids in this map; the next two have a value for each.
+             */
+            update_ids: number[];
+            /** Update Ms */
+            update_ms: (number | null)[];
+            /** Wm */
+            wm: (number | null)[];
+            /**
+             * Wm Max
+             * @description Most nodes in working memory.
+             */
+            wm_max: number | null;
+        };
+        /**
+         * Trials
+         * @description The trials of a map, the newest first.
+         */
+        Trials: {
+            /** Trials */
+            trials: components["schemas"]["Trial"][];
+        };
+        /**
          * UserData
          * @description What a program attached to a node.
          */
         UserData: {
+            /** Bytes */
+            bytes: number;
             /** Columns */
             columns: number;
             /** Rows */
@@ -2367,6 +3331,11 @@ export interface components {
             moved: number;
             /** Poses */
             poses: number[][];
+            /**
+             * Stored Off M
+             * @description How far the stored poses are from the optimum of the graph as it is, with which all this is compared.
+             */
+            stored_off_m: number;
         };
         /**
          * WhatIfLoop
@@ -3241,6 +4210,78 @@ export interface operations {
             };
         };
     };
+    edit_covariances: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Covariances"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_link: {
         parameters: {
             query?: never;
@@ -3596,8 +4637,10 @@ export interface operations {
                 order?: "id" | "-id" | "weight" | "-weight" | "stamp" | "-stamp";
                 /** @description With merged and dropped nodes, which are no part of the map. */
                 dropped?: boolean;
-                /** @description Text in id or label. */
+                /** @description Words in id or label, or id: label: time: near. */
                 q?: string;
+                /** @description Node whose row is told. */
+                find?: number | null;
             };
             header?: never;
             path: {
@@ -3736,6 +4779,78 @@ export interface operations {
             };
         };
     };
+    label_nodes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodeLabels"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_node: {
         parameters: {
             query?: never;
@@ -3810,6 +4925,9 @@ export interface operations {
             query?: {
                 /** @description Depth of the last colour; 0 fits. */
                 max?: number;
+                /** @description Depth of the first colour. */
+                min?: number;
+                colours?: "turbo" | "viridis" | "jet" | "gray";
             };
             header?: never;
             path: {
@@ -3897,6 +5015,75 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["NodeFeatures"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_grid: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
                 };
             };
             /** @description No token. */
@@ -4089,6 +5276,292 @@ export interface operations {
             };
         };
     };
+    get_node_pair: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                other_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodePair"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_pixel: {
+        parameters: {
+            query: {
+                /** @description Across the whole image, from its left edge. */
+                x: number;
+                /** @description Down, from its top edge. */
+                y: number;
+            };
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PixelDepth"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_prior: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodePriorState"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    edit_prior: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NodePrior"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_node_right: {
         parameters: {
             query?: never;
@@ -4109,6 +5582,75 @@ export interface operations {
                 };
                 content: {
                     "image/jpeg": unknown;
+                    "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_scan: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
                     "image/png": unknown;
                 };
             };
@@ -4576,6 +6118,495 @@ export interface operations {
             };
         };
     };
+    get_trials: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Trials"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    start_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StartTrial"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Trial"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TrialOutcome"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    cancel_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Trials"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    discard_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Trials"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    keep_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["KeepTrial"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["KeptTrial"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    take_over_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                number: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TakenOver"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     foresee_loops: {
         parameters: {
             query: {
@@ -4651,7 +6682,10 @@ export interface operations {
     };
     get_scene: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
             header?: never;
             path: {
                 /** @description Id of a map, from GET /api/maps. */
@@ -4719,7 +6753,10 @@ export interface operations {
     };
     change_scene: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
             header?: never;
             path: {
                 /** @description Id of a map, from GET /api/maps. */
@@ -4732,6 +6769,77 @@ export interface operations {
                 "application/json": components["schemas"]["SceneChange"];
             };
         };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scene"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    look_at_selected: {
+        parameters: {
+            query?: {
+                /** @description A name for one window, whose 3D view is its own. */
+                viewer?: string;
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
         responses: {
             /** @description Successful Response */
             200: {

@@ -52,7 +52,9 @@ export function Loops() {
   const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
   const reload = () => list.pull({ all: true });
   const answer = async (/** @type {"undo" | "redo"} */ action) => void (!lockReason() && (await decide({ action })) && reload());
-  useKeys({ j: () => step(1), k: () => step(-1), u: () => void answer("undo"), U: () => void answer("redo") });
+  // A link that the queue does not list is walked along the path, by its evidence.
+  const walked = Boolean(key) && selected < 0;
+  useKeys({ ...(walked ? {} : { j: () => step(1), k: () => step(-1) }), u: () => void answer("undo"), U: () => void answer("redo") });
 
   return html`<div class="view view-loops">
     <div class="view-head">

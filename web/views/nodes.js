@@ -1,13 +1,18 @@
 // All nodes of the map in a table that fetches what is in sight, and the inspector of one.
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { h, html } from "../html.js";
+import { ApiError } from "../api.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
+import { pickNode, second } from "../pair.js";
 import { go, openMapId, route } from "../router.js";
 import { columns, graphRevision, info } from "../store.js";
 import { Chip } from "../parts/button.js";
 import { Badge } from "../parts/facts.js";
+import { ChoiceBar, useChoice } from "../parts/node_choice.js";
 import { NodeInspector } from "../parts/node.js";
+import { NodePairInspector } from "../parts/node_pair.js";
+import { NodeSearch, SearchHelp } from "../parts/node_search.js";
 import { Empty, Failed } from "../parts/state.js";
 import { Table } from "../parts/table.js";
 import { useChanged } from "../parts/use.js";
@@ -44,7 +49,8 @@ export function Nodes() {
   const dropped = asked.has("dropped");
   const look = (/** @type {Asked} */ next) => {
     const { order: by, q, dropped: all } = { order, q: query, dropped, ...next };
-    const changed = { ...(by !== "id" && { order: by }), ...(q && { q }), ...(all && { dropped: "yes" }) };
+    const b = asked.get("b");
+    const changed = { ...(by !== "id" && { order: by }), ...(q && { q }), ...(all && { dropped: "yes" }), ...(b && { b }) };
     go({ view: "nodes", key: route.value.key, query: changed }, { replace: true });
   };
   const rows = useMemo(() => new Window(map), [map]);
@@ -52,20 +58,24 @@ export function Nodes() {
   // A row that was chosen before it arrived: it is selected as soon as it is here.
   const [wanted, setWanted] = useState(-1);
 
+  useEffect(() => rows.seek(selected), [rows, selected]);
   useEffect(() => rows.ask(order, query, dropped), [rows, order, query, dropped]);
   useEffect(() => void (columns.value && rows.refresh()), [graphRevision.value]);
   useChanged(/** @type {import("../columns.js").Columns} */ (columns.value).revision, () => rows.refresh());
 
   void rows.revision.value;
-  const select = (/** @type {number} */ row) => {
+  const choice = useChoice(rows);
+  const select = (/** @type {number} */ row, /** @type {MouseEvent | undefined} */ event = undefined) => {
+    if (choice.click(row, event, at)) return;
     const found = rows.at(row);
-    if (found) go({ view: "nodes", key: found.id, query: Object.fromEntries(asked) });
+    if (found) pickNode(found.id);
     setWanted(found ? -1 : row);
   };
   useEffect(() => void (wanted >= 0 && rows.at(wanted) && select(wanted)));
-  const at = wanted >= 0 ? wanted : rows.find(selected);
+  const at = wanted >= 0 ? wanted : rows.sought();
   const step = (/** @type {number} */ by) => select(Math.max(0, Math.min(rows.total - 1, at + by)));
-  useKeys({ j: () => step(1), k: () => step(-1) });
+  // Two beside each other have these keys of their own.
+  useKeys(second() === null ? { j: () => step(1), k: () => step(-1) } : {});
 
   return html`<div class="view">
     <div class="view-head">
@@ -78,24 +88,24 @@ export function Nodes() {
         hint: `${text.whole(info.value?.dropped)} nodes that were merged or dropped: kept in the file, no part of the map`,
         onChange: (on) => look({ dropped: on }),
       })}
-      <input
-        type="search"
-        class="field"
-        placeholder="Id or label"
-        aria-label="Find nodes by id or label"
-        value=${query}
-        onInput=${(/** @type {{currentTarget: HTMLInputElement}} */ { currentTarget }) => look({ q: currentTarget.value })}
-      />
+      ${h(NodeSearch, { query, onChange: (q) => look({ q }) })}
     </div>
     <div class="view-table">${nodeTable()}</div>
-    ${selected > 0 && h(NodeInspector, { key: selected, map, id: selected })}
+    ${rows.total > 0 && h(ChoiceBar, { choice, rows, onDone: () => rows.refresh() })}
+    ${selected > 0 && inspector()}
   </div>`;
 
+  function inspector() {
+    const b = second();
+    return b === null ? h(NodeInspector, { map, id: selected, shown: { order, q: query, dropped } }) : h(NodePairInspector, { map, a: selected, b, shown: { order, q: query, dropped } });
+  }
+
   function nodeTable() {
+    if (rows.error instanceof ApiError && rows.error.code === "query") return h(Empty, { icon: "search", title: "This is not understood", children: html`${rows.error.message}.` });
     if (rows.error) return h(Failed, { error: rows.error, what: "The nodes didn't arrive.", onRetry: () => rows.refresh() });
     if (rows.loaded && !rows.total) {
       return query
-        ? h(Empty, { icon: "search", title: "No node fits", children: "The field takes an id or part of a label." })
+        ? h(Empty, { icon: "search", title: "No node fits", children: h(SearchHelp, {}) })
         : h(Empty, { icon: "nodes", title: "This map has no nodes yet", children: "They appear here as soon as the run adds them." });
     }
     return h(/** @type {typeof Table<NodeRow>} */ (Table), {
@@ -106,6 +116,7 @@ export function Nodes() {
       onRange: (first, last) => rows.show(first, last),
       selected: at,
       onSelect: select,
+      chosen: (row) => choice.ids.has(rows.at(row)?.id ?? 0),
       order,
       onOrder: (next) => look({ order: next }),
     });

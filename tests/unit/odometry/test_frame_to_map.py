@@ -9,6 +9,7 @@ import pytest
 
 from slam.evaluate import absolute_error
 from slam.geometry import between, rotation_angle, translation_norm
+from slam.odometry import frame_to_map
 from slam.odometry.frame_to_map import FrameToMap
 from slam.odometry.local_map import LocalMap
 from slam.params import Params
@@ -44,6 +45,15 @@ def test_wide_steps_are_tracked_too() -> None:
     frames = sparse()[:30]
     found = tracked(frames)
     poses = [one.T_odom_base for one in found if one.T_odom_base is not None]
+    assert len(poses) == 30
+    assert absolute_error(truth(frames), poses).rmse_m < 0.05
+
+
+def test_a_fast_turn_is_followed_where_all_places_look_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(frame_to_map, "match_all", lambda *_, **__: np.zeros((0, 2), np.int32))
+    frames = sparse()[:30]
+    unforeseen = PARAMS.changed({"Odom/GuessMotion": False, "Vis/CorGuessWinSize": 20})
+    poses = [one.T_odom_base for one in tracked(frames, unforeseen) if one.T_odom_base is not None]
     assert len(poses) == 30
     assert absolute_error(truth(frames), poses).rmse_m < 0.05
 

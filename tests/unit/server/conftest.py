@@ -47,12 +47,13 @@ def maps_folder(written_map: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def start_app(page_folder: Path) -> Iterator[StartApp]:
+def start_app(page_folder: Path, tmp_path: Path) -> Iterator[StartApp]:
     """Starts the app for some roots."""
     with ExitStack() as stack:
 
         def start(*roots: Path, authorized: bool = True, **settings: Any) -> RunningApp:
-            chosen = Settings(**{"roots": roots, "token": TOKEN, "port": 0, **settings})
+            usual = {"roots": roots, "token": TOKEN, "port": 0, "scratch": tmp_path / "scratch"}
+            chosen = Settings(**{**usual, **settings})
             return stack.enter_context(RunningApp(chosen, page_folder, authorized=authorized))
 
         yield start

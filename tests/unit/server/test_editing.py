@@ -110,6 +110,12 @@ def test_points_picked_in_both_images_are_judged_by_their_residuals(tour: Runnin
         ("nodes/drop", {"first": 900, "last": 999}, 404),
         ("nodes/drop", {}, 422),
         ("nodes/5/label", {"label": ""}, 409),
+        ("nodes/label", {"nodes": [], "label": "a"}, 422),
+        ("nodes/5/prior", {}, 409),
+        ("nodes/9999/prior", {"transform": [0] * 6, "sigmas": [1] * 6}, 409),
+        ("nodes/5/prior", {"transform": [0] * 6}, 422),
+        ("links/covariances", {"sigmas": [0] * 6}, 409),
+        ("links/covariances", {"types": ["Landmark"], "sigmas": [1] * 6}, 409),
         ("job", {}, 422),
         ("job", {"detect": {"radius_m": 0}}, 422),
         ("job/cancel", {}, 404),
@@ -168,3 +174,53 @@ def test_a_job_is_cancelled_and_nothing_else_is_done_meanwhile(tour: RunningApp,
     done = post(tour, "job", refine={"types": ["Neighbor"], "first": 5, "last": 9}, author="ann")
     assert done.status_code == 200
     assert until_over(tour)["decision"]["count"] >= 2
+
+
+def test_a_prior_is_offered_ignored_switched_on_and_taken_back(tour: RunningApp, reader: MapReader) -> None:
+    state = tour.get("/api/maps/tour/nodes/40/prior").json()
+    assert state["ignored"] and state["transform"] is None
+    higher = [*state["suggested"][:2], state["suggested"][2] + 0.5, *state["suggested"][3:]]
+    wanted = {"transform": higher, "sigmas": [0.01, 0.01, 0.01, 0.5, 0.5, 0.5], "author": "ann"}
+    seen = post(tour, "nodes/40/prior", **wanted, preview=True).json()
+    assert "Optimizer/PriorsIgnored is on" in seen["note"] and seen["preview"] and not reader.journal()
+    assert post(tour, "nodes/40/prior", **wanted).json()["effect"]["max_shift_m"] < 0.01
+    on = tour.patch("/api/maps/tour/parameters", json={"changes": {"Optimizer/PriorsIgnored": False}}).json()
+    assert not on["live"]
+    assert not {one["name"]: one["value"] for one in on["parameters"]}["Optimizer/PriorsIgnored"]
+    assert reader.parameters()["Optimizer/PriorsIgnored"] == "false"
+    known = tour.get("/api/maps/tour/nodes/40/prior").json()
+    assert not known["ignored"]
+    assert known["transform"] == pytest.approx(higher, abs=1e-4) and known["sigmas"] == pytest.approx(wanted["sigmas"])
+    done = post(tour, "nodes/40/prior", **wanted).json()
+    assert done["effect"]["max_shift_m"] > 0.2 and done["note"] == "" and done["changes"]["changed"] == 1
+    # Alone it moves the map as a whole.
+    assert done["effect"]["ate_after_m"] == pytest.approx(done["effect"]["ate_before_m"], abs=1e-3)
+    assert post(tour, "nodes/40/prior", author="bob").json()["entry"]["note"] == "removed"
+    for _ in range(3):
+        post(tour, "decisions", action="undo")
+    assert tour.get("/api/maps/tour/nodes/40/prior").json()["transform"] is None
+    assert {(e["action"], e["author"]) for e in tour.get("/api/maps/tour/decisions").json()["entries"]} >= {
+        ("prior", "ann"),
+        ("prior", "bob"),
+    }
+
+
+def test_covariances_of_many_links_and_labels_of_many_nodes_are_one_undo_each(
+    tour: RunningApp, reader: MapReader
+) -> None:
+    sigmas = [0.02, 0.02, 0.02, 0.5, 0.5, 0.0]
+    wanted = {"types": ["GlobalClosure", "LocalSpaceClosure"], "sigmas": sigmas, "author": "ann"}
+    seen = post(tour, "links/covariances", **wanted, preview=True).json()
+    assert seen["changes"]["changed"] == seen["count"] == len(loops(reader)) and not reader.journal()
+    done = post(tour, "links/covariances", **wanted).json()
+    assert done["count"] == seen["count"] and done["effect"]["chi2_after"] == seen["effect"]["chi2_after"]
+    changed = [link for link in reader.links() if link.type.is_loop]
+    assert all(np.isclose(link.information[0, 0], 2500.0) for link in changed)
+    gone = post(tour, "nodes/drop", nodes=[10, 11], preview=True).json()["changes"]
+    assert gone["nodes_gone"] == 2 and gone["links_gone"] >= 3 and gone["links_new"] == 1
+    assert post(tour, "nodes/label", nodes=[8, 3], label="desk").json()["count"] == 2
+    assert [tour.get(f"/api/maps/tour/nodes/{i}").json()["label"] for i in (3, 8)] == ["desk 1", "desk 2"]
+    for count in (2, done["count"]):
+        assert post(tour, "decisions", action="undo").json()["count"] == count
+    assert tour.get("/api/maps/tour/nodes/8").json()["label"] == ""
+    assert not any(np.isclose(link.information[0, 0], 2500.0) for link in reader.links())

@@ -169,7 +169,7 @@ def _walks(client: RunningApp, folder: Path, files: Iterator[bytes]) -> list[Wal
     found = []
     for number, raw in enumerate(files):
         (folder / f"d{number}.db").write_bytes(raw)
-        found.append(walk(client, f"d{number}"))
+        found.append(walk(client, f"d{number}", closely=True))
         (folder / f"d{number}.db").unlink()
     return found
 

@@ -96,6 +96,37 @@ def test_parameters_change_while_it_runs_and_are_echoed(run: RunningApp, tmp_pat
     assert [(change.name, change.value) for change in changed] == [("Rtabmap/LoopThr", "0.5")]
 
 
+def test_links_labels_and_priors_are_edited_while_the_map_is_made_and_nodes_stay(
+    run: RunningApp, tmp_path: Path
+) -> None:
+    def post(path: str, **body: Any) -> Any:
+        return run.post(f"/api/maps/flat/{path}", json=body)
+
+    run.post("/api/session/pause")
+    nodes = run.get("/api/session").json()["nodes"]
+    seen = run.get("/api/maps/flat/nodes/3/prior").json()["suggested"]
+    first = run.get("/api/maps/flat/nodes/1/prior").json()["suggested"]
+    apart = [a - b for a, b in zip(first, seen, strict=True)]
+    typed = {"action": "edit", "from": 3, "to": 1, "transform": apart, "sigmas": [0.5] * 3 + [20] * 3, "force": True}
+    assert post("nodes/2/label", label="door").status_code == 200
+    linked = post("links", **typed).json()
+    assert linked["decision"]["effect"]["chi2_after"] > linked["decision"]["effect"]["chi2_before"]
+    assert post("nodes/3/prior", transform=seen, sigmas=[0.1] * 3 + [1] * 3).json()["note"].startswith("Optimizer/")
+    assert post("links/covariances", types=["Neighbor"], sigmas=[0.1] * 6).json()["count"] == nodes - 1
+    for refused in (post("nodes/drop", nodes=[2]), post("job", detect={})):
+        assert refused.status_code == 409 and "top the run first" in refused.json()["error"]["message"]
+    assert post("decisions", action="undo").json()["count"] == nodes - 1
+    run.post("/api/session/resume")
+    wait_for(run, lambda state: state["nodes"] > nodes + 1)
+    assert run.post("/api/session/stop").json()["state"] == "stopped"
+    reader = MapReader(tmp_path / "maps" / "flat.db")
+    assert reader.info().clean and reader.node(2).label == "door"
+    assert {(3, 1, "UserClosure"), (3, 3, "PosePrior")} <= {(k.from_id, k.to_id, k.type.label) for k in reader.links()}
+    # It goes on as a map that nobody makes, with the decisions of the run.
+    assert [post("decisions", action="undo").json()["entry"]["action"] for _ in range(3)] == ["undo"] * 3
+    assert not reader.node(2).label
+
+
 def test_the_stream_brings_the_last_values_first_and_then_each_node(run: RunningApp) -> None:
     with run.stream_of("/api/events") as stream:
         seen: dict[str, Any] = {}

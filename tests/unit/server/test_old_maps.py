@@ -106,7 +106,7 @@ def test_sensors_of_a_node(client: RunningApp) -> None:
     sensors = get(client, "/api/maps/rich/nodes/1")["sensors"]
     assert sensors["gps"]["latitude"] == 45.5
     assert sensors["velocity"] == [1, 2, 3, 4, 5, 6]
-    assert sensors["user_data"] == {"rows": 1, "columns": 7, "type": "int8", "text": "kitchen"}
+    assert sensors["user_data"] == {"rows": 1, "columns": 7, "type": "int8", "bytes": 7, "text": "kitchen"}
     assert (sensors["scan"]["points"], sensors["grid"]["ground"], sensors["problems"]) == (10, 2, [])
 
 

@@ -166,13 +166,19 @@ def test_hypothesis_of_an_update(client: RunningApp) -> None:
     assert client.get("/api/maps/loops/hypothesis/1").status_code == 404
 
 
-def test_parameters_of_a_closed_map_cannot_be_changed(client: RunningApp) -> None:
+def test_parameters_of_a_closed_map_are_changed_for_its_next_session(client: RunningApp, maps_folder: Path) -> None:
     found = get(client, "/api/maps/loops/parameters")
     values = {entry["name"]: entry for entry in found["parameters"]}
     assert values["Rtabmap/LoopThr"]["value"] == 0.2 and values["Rtabmap/LoopThr"]["default"] == 0.11
     assert sum(entry["front"] for entry in found["parameters"]) == 12 and not found["live"]
     answer = client.patch("/api/maps/loops/parameters", json={"changes": {"Rtabmap/LoopThr": 0.3}})
-    assert answer.status_code == 409
+    assert answer.status_code == 200
+    found = {entry["name"]: entry["value"] for entry in get(client, "/api/maps/loops/parameters")["parameters"]}
+    assert (
+        found["Rtabmap/LoopThr"] == 0.3 and MapReader(maps_folder / "loops.db").parameters()["Rtabmap/LoopThr"] == "0.3"
+    )
+    for changes, status in (({}, 422), ({"Rtabmap/LoopThr": 3}, 422), ({"Rtabmap/Nothing": 1}, 422)):
+        assert client.patch("/api/maps/loops/parameters", json={"changes": changes}).status_code == status
 
 
 @pytest.mark.parametrize(("format", "lines"), [("tum", NODES + 1), ("kitti", NODES), ("g2o", NODES + NODES - 1 + 2)])

@@ -9,6 +9,7 @@ import httpx
 
 _PARTS = ("", "/graph", "/loops", "/decisions", "/statistic-names", "/parameters", "/preview.jpg")
 _OF_NODES = ("", "/image", "/depth.png", "/features")
+_CLOSELY = ("/pixel?x=0.5&y=0.5", "/scan.png", "/grid.png", "/pair/1")
 _EXPORTS = ("tum", "kitti", "g2o")
 #: What a refusal says; anything else is a failure of the server's own.
 _REFUSED = {404, 409, 422}
@@ -22,7 +23,7 @@ class Walk:
     refused: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
-def walk(client: httpx.Client, map_id: str, *, matches: bool = False) -> Walk:
+def walk(client: httpx.Client, map_id: str, *, matches: bool = False, closely: bool = False) -> Walk:
     """Ask for the map, and for all nodes, links and statistics that it lists; AssertionError when the server fails."""
     found, root = Walk(), f"/api/maps/{map_id}"
     assert _ask(client, "/api/maps", found) is not None
@@ -30,7 +31,7 @@ def walk(client: httpx.Client, map_id: str, *, matches: bool = False) -> Walk:
     page = _ask(client, f"{root}/nodes?limit=500", found) or {"nodes": []}
     graph = parts["/graph"] or {"nodes": {"id": []}, "links": {"from": [], "to": []}}
     for node_id in {*graph["nodes"]["id"], *(row["id"] for row in page["nodes"])}:
-        for part in _OF_NODES:
+        for part in (*_OF_NODES, *(_CLOSELY if closely else ())):
             _ask(client, f"{root}/nodes/{node_id}{part}", found)
         _ask(client, f"{root}/hypothesis/{node_id}", found)
     listed = [(row["from"], row["to"]) for row in (parts["/loops"] or {"loops": []})["loops"]]

@@ -56,7 +56,7 @@ def test_the_server_starts_without_what_draws_and_meshes() -> None:
 
 def test_every_command_is_listed() -> None:
     text = slamdeck("--help").stdout
-    assert all(name in text for name in ("demo", "run", "info", "reprocess", "merge", "recover", "export", "params"))
+    assert all(name in text for name in ("demo", "run", "info", "reprocess", "try", "merge", "recover", "export"))
 
 
 def test_without_a_command_the_help_is_shown() -> None:
@@ -106,6 +106,8 @@ def test_tools_make_maps_and_replace_none_unasked(a_map: Path, tmp_path: Path) -
     out = tmp_path / "new.db"
     made = json.loads(slamdeck("reprocess", a_map, "--db", out, "-p", "Rtabmap/LoopThr=0.3", "--json").stdout)
     assert made["nodes"] == NODES and made["db_mb"] > 0
+    tried = json.loads(slamdeck("try", a_map, "-p", "Mem/STMSize=3", "--keep", tmp_path / "kept.db", "--json").stdout)
+    assert tried["tried"]["nodes"] == NODES and tried["tried"]["stm_max"] == 3 and (tmp_path / "kept.db").exists()
     assert "--force" in refusal("recover", a_map, "--db", out)
     saved = json.loads(slamdeck("recover", a_map, "--db", out, "--force", "--json").stdout)
     assert saved["is_whole"] and saved["rows"]["Node"] == NODES

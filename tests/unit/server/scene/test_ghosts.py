@@ -25,7 +25,12 @@ def foreseen(graph: PlacedGraph, moved_m: float) -> LoopWhatIf:
     T[:, 0, 3] += moved_m
     poses = [pose for pose in map(pose_list, T) if pose is not None]
     whole = WhatIfGraph(
-        ids=graph.ids.tolist(), poses=poses, moved=len(T) if moved_m else 0, max_shift_m=moved_m, ate_m=None
+        ids=graph.ids.tolist(),
+        poses=poses,
+        moved=len(T) if moved_m else 0,
+        max_shift_m=moved_m,
+        ate_m=None,
+        stored_off_m=0.0,
     )
     loops = [
         WhatIfLoop(key=f"{a}-{b}", from_=a, to=b, value=0.5, outcome=outcome, inliers=None, reason="", true=None)

@@ -18,7 +18,9 @@ import pytest
 
 from server.browse.map_view import MapView
 from server.catalog import MapFile
+from server.hub import Hub
 from server.scene.scene import MapScene
+from server.scene.scenes import Scenes
 from server.schemas.scene import SceneChange
 from slam.database import MapWriter
 from tests.unit.server.scene.conftest import Sent
@@ -253,8 +255,9 @@ def test_a_file_that_goes_leaves_the_view_as_it_was(
 
 def test_closing_frees_the_port(room_map: Path) -> None:
     found = Watched(room_map)
+    worker = found.scene._worker
     found.scene.close()
-    assert not found.scene._worker.is_alive()
+    assert worker is not None and not worker.is_alive()
     with pytest.raises(OSError):
         socket.create_connection(("127.0.0.1", found.scene.port), timeout=2)
     del found
@@ -280,3 +283,22 @@ def test_viser_is_loaded_only_when_a_view_opens() -> None:
     code = "import sys, server.scene.scene; sys.exit('viser' in sys.modules)"
     root = Path(__file__).resolve().parents[4]
     assert subprocess.run([sys.executable, "-c", code], cwd=root, check=False, timeout=60).returncode == 0
+
+
+def test_each_viewer_has_a_view_of_its_own_and_those_that_nobody_looks_at_stop(room_map: Path) -> None:
+    view, scenes = MapView(MapFile("room", "room", room_map)), Scenes(Hub(), lambda *_: None)
+    try:
+        one, other = (scenes.get(view, name) for name in ("one", "other"))
+        assert not one.is_started, "nothing is drawn before somebody looks"
+        one.change(SceneChange(selected_node=3))
+        assert scenes.get(view, "one") is one and other.state().selected_node is None
+        names = ["one", "other", "third", "fourth", "fifth"]
+        shown = [scenes.shown(view, name) for name in names]
+        assert len({scene.port for scene in shown}) == len(names)
+        assert [scene.is_started for scene in shown] == [False, True, True, True, True]
+        assert scenes.shown(view, "one").state().selected_node == 3, "it comes back as it was"
+        scenes.refresh("room")
+        until(lambda: one._painter._viewer.scene.get_handle_by_name("/selected/label"))
+    finally:
+        scenes.close()
+    assert not any(scene.is_started for scene in shown)

@@ -1,0 +1,129 @@
+"""One node close up: all that it saw, its words, its scan and its local grid."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from server.browse.plan_reach import cell_count, grid_reach
+from server.browse.plans import grid_pixels
+from server.scene.clouds import wxyz
+from server.scene.colours import Theme
+from server.scene.node_details import DetailPoints, dense_points, scan_points, word_points
+from server.scene.placed import PlacedGraph
+from server.schemas.scene import NodePart
+from slam.database import MapReader
+from slam.errors import SlamError
+from slam.geometry import Pose, make, so3_exp
+from slam.maps.local_grid import yaw
+
+if TYPE_CHECKING:
+    from viser import ImageHandle, PointCloudHandle, SceneApi
+
+_LOG = logging.getLogger(__name__)
+#: Above the floor, so that the map's own grid does not flicker through.
+_LIFT_M = 0.03
+#: viser's images have x right, y down: with the base's x up and y left.
+_R_LEVEL_IMAGE = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+
+
+class CloseUpLayer:
+    """What is asked for of one node is read and sent once; another node takes its place."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._of: tuple[int, int, Theme] | None = None
+        self._points: dict[NodePart, PointCloudHandle | None] = {}
+        self._grid: ImageHandle | None = None
+        self._tried_grid = False
+
+    def draw(
+        self,
+        reader: MapReader,
+        revision: int,
+        graph: PlacedGraph,
+        node: int | None,
+        parts: Collection[NodePart],
+        floor_m: float,
+        look: Theme,
+    ) -> None:
+        """Show these parts of a node where it is now; without a node nothing."""
+        known = node is not None and node in graph.rows
+        of = (node, revision, look) if known and node is not None and parts else None
+        if of != self._of:
+            self._clear()
+            self._of = of
+        if of is None:
+            return
+        T_map_base = graph.T_map[graph.rows[of[0]]]
+        self._draw_points(reader, of[0], T_map_base, parts, look)
+        self._draw_grid(reader, of[0], T_map_base, floor_m, visible="grid" in parts)
+
+    def _draw_points(
+        self, reader: MapReader, node: int, T_map_base: Pose, parts: Collection[NodePart], look: Theme
+    ) -> None:
+        makers: dict[NodePart, Callable[[], DetailPoints]] = {
+            "cloud": lambda: dense_points(reader, node),
+            "words": lambda: word_points(reader, node, look),
+            "scan": lambda: scan_points(reader, node, look),
+        }
+        for part, make_points in makers.items():
+            if part in parts and part not in self._points:
+                self._points[part] = self._send(part, make_points)
+            handle = self._points.get(part)
+            if handle is not None:
+                handle.wxyz, handle.position = wxyz(T_map_base), T_map_base[:3, 3]
+                handle.visible = part in parts
+
+    def _send(self, part: NodePart, make_points: Callable[[], DetailPoints]) -> PointCloudHandle | None:
+        try:
+            found = make_points()
+        except SlamError as error:
+            # The inspector says what is missing or damaged; the other parts are shown.
+            _LOG.info("no %s close up: %s", part, error)
+            return None
+        if not len(found.points):
+            return None
+        return self._scene.add_point_cloud(
+            f"/closeup/{part}",
+            found.points,
+            found.colours,
+            point_size=found.size,
+            point_shape="circle" if part == "words" else "rounded",
+            point_shading="flat",
+        )
+
+    def _draw_grid(self, reader: MapReader, node: int, T_map_base: Pose, floor_m: float, *, visible: bool) -> None:
+        if visible and not self._tried_grid:
+            self._tried_grid = True
+            self._grid = self._send_grid(reader, node)
+        if self._grid is None:
+            return
+        R_map_level = so3_exp(np.array([0.0, 0.0, yaw(T_map_base)]))
+        self._grid.wxyz = wxyz(make(R_map_level @ _R_LEVEL_IMAGE, np.zeros(3)))
+        self._grid.position = np.array([*T_map_base[:2, 3], floor_m + _LIFT_M])
+        self._grid.visible = visible
+
+    def _send_grid(self, reader: MapReader, node: int) -> ImageHandle | None:
+        try:
+            grid = reader.local_grid(node)
+        except SlamError as error:
+            _LOG.info("no local grid close up: %s", error)
+            return None
+        if grid is None or not cell_count(grid):
+            return None
+        pixels, side = grid_pixels(grid), 2.0 * grid_reach(grid)
+        image = np.ascontiguousarray(pixels[:, :, [2, 1, 0, 3]].repeat(4, axis=0).repeat(4, axis=1))
+        return self._scene.add_image(
+            "/closeup/grid", image, side, side, format="png", cast_shadow=False, receive_shadow=False
+        )
+
+    def _clear(self) -> None:
+        for handle in (*self._points.values(), self._grid):
+            if handle is not None:
+                handle.remove()
+        self._points.clear()
+        self._grid, self._tried_grid = None, False

@@ -1,0 +1,20 @@
+// How depth images look: their colours, from which depth to which, and how much of them lies over the colour image.
+import { address } from "./api.js";
+import { remembered } from "./prefs.js";
+
+/** @typedef {import("./types/api").components["schemas"]} Schemas */
+
+export const DEPTH_COLOURS = /** @type {const} */ (["turbo", "viridis", "jet", "gray"]);
+
+export const depthColours = remembered("depth-colours", "turbo");
+/** Metres; 0 as the farthest lets each image choose. */
+export const nearest = remembered("depth-nearest", 0);
+export const farthest = remembered("depth-farthest", 0);
+/** Share of the depth in the colour image, 0 for none. */
+export const veil = remembered("depth-veil", 0);
+
+/** @param {string} map @param {number} node */
+export function depthAddress(map, node) {
+  const query = new URLSearchParams({ colours: depthColours.value, min: String(nearest.value), max: String(farthest.value) });
+  return `${address("api", "maps", map, "nodes", node, "depth.png")}?${query}`;
+}

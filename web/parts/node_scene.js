@@ -1,0 +1,34 @@
+// What the 3D view shows of the selected node close up.
+import { h, html } from "../html.js";
+import { lookAtSelected, setScene } from "../actions.js";
+import { scene } from "../store.js";
+import { Button, Chip } from "./button.js";
+
+/** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
+/** @typedef {NonNullable<import("../store.js").Schemas["Scene"]["node_parts"]>[number]} Part */
+
+/** @type {[Part, string, string, (node: NodeDetail) => boolean][]} */
+const PARTS = [
+  ["cloud", "Cloud", "Every pixel that has depth", (node) => node.has_image && (node.has_depth || node.has_right) && node.cameras.length > 0],
+  ["words", "Words", "Key points that have a place; words green", (node) => node.features > 0],
+  ["scan", "Scan", "Its scan, coloured by what is stored of each point", (node) => Boolean(node.sensors.scan?.points)],
+  ["grid", "Grid", "Its local grid on the floor", (node) => Boolean(node.sensors.grid)],
+  ["frustum", "Camera", "Its image where the camera was", (node) => node.has_image && node.cameras.length > 0],
+];
+
+/** @param {{node: NodeDetail}} props */
+export function NodeScene({ node }) {
+  const now = scene.value;
+  const parts = now?.node_parts ?? [];
+  const turn = (/** @type {Part} */ part, /** @type {boolean} */ on) =>
+    void setScene({ node_parts: on ? [...parts, part] : parts.filter((one) => one !== part) });
+  return html`<div class="picture-bar node-scene" role="group" aria-label="The node in the 3D view">
+    <span class="quiet small">3D</span>
+    ${PARTS.map(([part, label, hint, has]) =>
+      h(Chip, { key: part, label, hint: has(node) ? hint : "Nothing of this is stored", on: parts.includes(part) && has(node), disabled: !now || !has(node), onChange: (on) => turn(part, on) }),
+    )}
+    <span class="grow"></span>
+    ${h(Chip, { label: "Alone", hint: "Without the map around it", on: Boolean(now?.alone), disabled: !now, onChange: (on) => void setScene({ alone: on }) })}
+    ${h(Button, { id: "look", label: "Look", hint: "Bring the camera of the 3D view to this node", disabled: !now || !node.pose, onClick: () => void lookAtSelected() })}
+  </div>`;
+}
