@@ -116,8 +116,12 @@ class Snapshot:
     @cached_property
     def links(self) -> dict[Pair, Link]:
         """Links between two nodes of the map, by both ids, smaller first."""
-        found = self.all_links
-        return {link.pair: link for link in found if link.from_id != link.to_id and set(link.pair) <= self.rows.keys()}
+        rows = self.rows
+        return {
+            link.pair: link
+            for link in self.all_links
+            if link.from_id != link.to_id and link.from_id in rows and link.to_id in rows
+        }
 
     @cached_property
     def constraints(self) -> list[Link]:

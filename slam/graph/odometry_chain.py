@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slam.geometry import Array, adjoint, inverse
-from slam.graph.graph import Pair, PoseGraph, ascending
+from slam.graph.graph import Pair, PoseGraph, all_ascending
 from slam.types import Link, LinkType
 
 _STEPS = (LinkType.NEIGHBOR, LinkType.NEIGHBOR_MERGED)
@@ -89,7 +89,7 @@ def sound(links: Iterable[Link]) -> list[Link]:
         if link.T_from_to is not None and np.isfinite(link.T_from_to).all() and np.isfinite(link.information).all()
     ]
     positive = np.linalg.eigvalsh(informations(finite))[:, 0] > 0.0
-    return [ascending(link) for link, good in zip(finite, positive, strict=True) if good]
+    return all_ascending([link for link, good in zip(finite, positive, strict=True) if good])
 
 
 def transforms(links: Sequence[Link]) -> Array:

@@ -25,8 +25,8 @@ new PerformanceObserver((list) => {
   for (const entry of list.getEntries()) window.longTasks.push(entry.duration);
 }).observe({ type: "longtask", buffered: true });
 """
-_QUIET_S = 3.0
-_PATIENCE_S = 180.0
+_QUIET_S = 1.5
+_PATIENCE_S = 60.0
 
 
 @contextmanager
