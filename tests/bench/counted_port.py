@@ -58,7 +58,7 @@ class CountedPort:
         head = first.lower()
         is_view = b"upgrade: websocket" in head and b" /viser/" in head
         up.write(first)
-        with suppress(ConnectionError):
+        with suppress(ConnectionError, asyncio.CancelledError):
             await asyncio.gather(self._carry(reader, up), self._count(upstream, writer, is_view=is_view))
 
     async def _carry(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

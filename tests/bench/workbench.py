@@ -9,14 +9,15 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import Browser, Error
 
+from server.scene.cloud_points import points_of_each
 from tests.bench.figures import Figure, most
-from tests.bench.planting import PLANTED, QUEUE, maps, plantings, summary
+from tests.bench.planting import PLANTED, QUEUE, Planting, maps, plantings, summary
 from tests.bench.watched import WatchedPage, chromium
 from tests.bench.workbench_map import write_workbench_map
 from tests.web.served import Served
@@ -24,6 +25,8 @@ from tests.web.served import Served
 _MANY, _LOOPS, _CLOUDS = 10_000, 2_001, 100
 _FEW, _FEW_LOOPS, _FEW_CLOUDS = 2_000, 200, 40
 _PLANTINGS, _TIMES = 100, 5
+#: No map takes longer than about this.
+_PLANTING_S = 100.0
 _MEGA = 1e6
 #: The answer may be read a little after the 3D view moved.
 _LEAD_S = 0.1
@@ -39,36 +42,61 @@ _FETCH = """async (path) => {
 _SCRUB = """async (duration) => {
   const slider = document.querySelector('[aria-label="Update that is shown"]');
   const start = performance.now();
+  let moves = 0;
   for (let spent = 0; spent < duration; spent = performance.now() - start) {
     slider.value = String(1 + Math.floor(spent * (Number(slider.max) - 2) / duration));
     slider.dispatchEvent(new Event("input", { bubbles: true }));
+    moves += 1;
     await new Promise((done) => setTimeout(done, 16));
   }
-  return performance.now() - start;
+  return [performance.now() - start, moves];
 }"""
 
 
-def workbench(data: Path, count: int = _PLANTINGS) -> list[Figure]:
-    """All figures; those of the browser are left out where there is none.
+def workbench(data: Path, kept: Path, names: Sequence[str], count: int = _PLANTINGS) -> Iterator[Figure]:
+    """All figures, as they come; those of the browser are left out where there is none.
 
     Args:
         data: folder with pose graphs and databases of others.
+        kept: folder of the maps that are made for it; those that are there are used again, in copies.
+        names: of the maps in which false loops are planted; all where there is none.
         count: plantings in each map.
     """
-    found = [figure for name in maps(data) for figure in planting(data, name, count)]
     executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
     if executable is None:
-        return [*found, Figure("the page", "needs Chromium", "")]
-    with tempfile.TemporaryDirectory() as folder, chromium(executable) as browser:
-        for name, nodes, loops, clouds in (("few", _FEW, _FEW_LOOPS, _FEW_CLOUDS), ("many", _MANY, _LOOPS, _CLOUDS)):
-            write_workbench_map(Path(folder) / f"{name}.db", nodes, loops, clouds)
-        return [*pages(browser, Path(folder)), *found]
+        yield Figure("the page", "needs Chromium", "")
+    else:
+        with tempfile.TemporaryDirectory() as folder, chromium(executable) as browser:
+            for name, of in (("few", (_FEW, _FEW_LOOPS, _FEW_CLOUDS)), ("many", (_MANY, _LOOPS, _CLOUDS))):
+                shutil.copy(_made(kept, *of), Path(folder) / f"{name}.db")
+            yield from pages(browser, Path(folder))
+    for name in maps(data):
+        if count and (name in names or not names):
+            yield from planting(data, name, count)
+
+
+def _made(kept: Path, nodes: int, loops: int, clouds: int) -> Path:
+    """A map of that size, made unless it is there."""
+    path = kept / f"{nodes}-{loops}-{clouds}.db"
+    if not path.is_file():
+        kept.mkdir(parents=True, exist_ok=True)
+        part = path.with_suffix(".part")
+        part.unlink(missing_ok=True)
+        write_workbench_map(part, nodes, loops, clouds)
+        part.replace(path)
+    return path
 
 
 def planting(data: Path, name: str, count: int) -> list[Figure]:
-    """Whether planted false loops are found in one map, and what that costs."""
+    """Whether planted false loops are found in one map, and what that costs; no new one is begun after a while."""
     graph, params = maps(data)[name]()
-    found = summary(list(plantings(graph, params, count)))
+    deadline = time.monotonic() + _PLANTING_S
+    made: list[Planting] = []
+    for one in plantings(graph, params, count):
+        made.append(one)
+        if time.monotonic() > deadline:
+            break
+    found = summary(made)
     share, loops = found["found_percent"], sum(link.type.is_loop for link in graph.links.values())
     text = f"{PLANTED} false loops in {name} ({loops} loops), among the first {QUEUE} of {found['plantings']} plantings"
     off = f"{name}: how far the map is off after they were rejected, at most (planted: {found['bent_m']:g} m)"
@@ -103,9 +131,13 @@ def _opened(browser: Browser, server: Served) -> list[Figure]:
     ready = time.monotonic() - start
     watched.wait(lambda: port.views > 0)
     watched.quiet()
-    name, slowest = f"{_MANY:,} nodes, {_MANY + _LOOPS - 1:,} links, {_CLOUDS * 10_000:,} points", _slowest(watched)
+    # Of a cloud's 10,000 points fewer are shown where there are many clouds.
+    points = f"{_CLOUDS * 10_000:,} points of which at most {_CLOUDS * points_of_each(_CLOUDS):,} are shown"
+    name, slowest = f"{_MANY:,} nodes, {_MANY + _LOOPS - 1:,} links, {points}", _slowest(watched)
+    shown = Figure("the same: of these to the 3D view", round(port.views / _MEGA, 2), "MB")
     found = [
         most(f"{name}: all bytes to a new browser", round(port.bytes / _MEGA, 2), "MB", "", 15.0),
+        shown,
         most(f"{name}: page shows the review queue", round(ready, 2), "s", "", 2.0),
         slowest,
         most("the same: longest task of the page's main thread", round(watched.longest_task_ms()), "ms", "", 200.0),
@@ -171,10 +203,10 @@ def _scrubbed(browser: Browser, server: Served) -> list[Figure]:
     watched.wait(lambda: port.views > 0)
     watched.quiet()
     port.reset()
-    spent = float(page.evaluate(_SCRUB, _SCRUB_MS)) / 1e3
-    pace = round(_updates(port.moments) / spent, 1)
+    spent_ms, moves = page.evaluate(_SCRUB, _SCRUB_MS)
+    pace, asked = (round(1e3 * number / spent_ms, 1) for number in (_updates(port.moments), moves))
     watched.close()
-    name = f"scrubbing the timeline, {_FEW:,} nodes: updates of the 3D view"
+    name = f"scrubbing the timeline, {_FEW:,} nodes: updates of the 3D view, at {asked} moves a second"
     return [Figure(name, pace, "1/s", "", f">= {_UPDATES_PER_S:g}", pace >= _UPDATES_PER_S)]
 
 
