@@ -30,6 +30,7 @@ from server.routes import (
     scene,
     session,
     statistics,
+    structure,
     trials,
 )
 from server.security.guard import Guard
@@ -38,7 +39,7 @@ from server.settings import Settings
 from server.static import Page
 from slam.errors import SlamError
 
-_ROUTES = (maps, graph, edits, nodes, links, loops, statistics, parameters, trials, session, scene, exports)
+_ROUTES = (maps, graph, structure, edits, nodes, links, loops, statistics, parameters, trials, session, scene, exports)
 
 
 @dataclass(frozen=True, slots=True)

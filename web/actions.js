@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { patch, post } from "./api.js";
 import { remembered } from "./prefs.js";
-import { graphRevision, loadInfo, parameters, scene } from "./store.js";
+import { graphRevision, loadInfo, parameters, takeScene } from "./store.js";
 import { openMapId } from "./router.js";
 import { viewer } from "./viewer.js";
 
@@ -61,7 +61,7 @@ export async function setScene(change) {
   const map = openMapId.value;
   if (!map) return;
   const answer = await told(patch("/api/scene/{map}", { path: { map }, query: { viewer }, body: change }));
-  if (answer && map === openMapId.value) scene.value = answer;
+  if (answer && map === openMapId.value) takeScene(answer);
 }
 
 /** Bring the camera of the 3D view to the selected node. */

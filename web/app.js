@@ -22,14 +22,16 @@ import { startPicking } from "./picking.js";
 import { startStore } from "./store.js";
 import { startTrials } from "./trials.js";
 import { startTheme } from "./theme.js";
+import { startOptimising } from "./optimising.js";
 import { startWeights } from "./weights.js";
+import { GraphView } from "./views/graph.js";
 import { Loops } from "./views/loops.js";
 import { Maps } from "./views/maps.js";
 import { Nodes } from "./views/nodes.js";
 import { Params } from "./views/params.js";
 import { Stats } from "./views/stats.js";
 
-const VIEWS = { maps: Maps, nodes: Nodes, loops: Loops, params: Params, stats: Stats };
+const VIEWS = { maps: Maps, nodes: Nodes, loops: Loops, params: Params, stats: Stats, graph: GraphView };
 
 const panelWidth = remembered("panel-width", 452);
 const stripHeight = remembered("strip-height", 148);
@@ -73,6 +75,7 @@ startMoment();
 startLanding();
 startPicking();
 startWeights();
+startOptimising();
 startKeys();
 connect();
 render(h(App, {}), /** @type {HTMLElement} */ (document.getElementById("app")));

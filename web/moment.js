@@ -73,6 +73,7 @@ let ticking;
 
 function forget() {
   pause();
+  asked = undefined;
   timeline.value = null;
   timelineError.value = null;
   void load();
@@ -98,11 +99,19 @@ export async function load() {
 }
 
 const send = latest((/** @type {number | null} */ at) => setScene({ at }));
+/** The moment that this window asked the 3D view for; undefined before it did. @type {number | null | undefined} */
+let asked;
 
-/** The 3D view follows. A refusal is told, and not tried again before something changes. */
+/**
+ * The 3D view follows the page, not the reverse. A refusal is told, and not tried again before something changes.
+ */
 function show() {
-  const now = scene.value;
-  if (now && now.at !== moment.value) untracked(() => void send(moment.value));
+  const [now, at] = [scene.value, moment.value];
+  if (!now || asked === at) return;
+  const first = asked === undefined;
+  asked = at;
+  // Later the answer to the question before may still be on its way: what the view shows now tells nothing.
+  if (!first || now.at !== at) untracked(() => void send(at));
 }
 
 /** Show the map after the update of a node, or as it is now. @param {number | null} at */

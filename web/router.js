@@ -1,11 +1,11 @@
 // The address of what is on screen: #/map/<id>/<view>/<key>?query. Every view reopens from its link, and so does a moment.
 import { batch, computed, signal } from "@preact/signals";
 
-/** @typedef {"maps" | "nodes" | "loops" | "params" | "stats"} View */
+/** @typedef {"maps" | "nodes" | "loops" | "params" | "stats" | "graph"} View */
 /** @typedef {{map: string | null, view: View, key: string | null, query: URLSearchParams}} Route */
 
 /** @type {readonly View[]} */
-export const VIEWS = ["maps", "nodes", "loops", "params", "stats"];
+export const VIEWS = ["maps", "nodes", "loops", "params", "stats", "graph"];
 
 const hash = signal(location.hash);
 

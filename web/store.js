@@ -77,11 +77,16 @@ async function loadSession() {
   if (found) session.value = found;
 }
 
+/** What the 3D view shows, unless something newer is known. @param {Schemas["Scene"]} found */
+export function takeScene(found) {
+  if (!scene.value || found.revision >= scene.value.revision) scene.value = found;
+}
+
 async function loadScene() {
   const map = openMapId.value;
   if (!map) return;
   const found = await get("/api/scene/{map}", { path: { map }, query: { viewer } }).catch(() => null);
-  if (map === openMapId.value && found) scene.value = found;
+  if (map === openMapId.value && found) takeScene(found);
 }
 
 /** Forget the last map and fetch the frame of the next; its views fetch the rest. */
@@ -139,6 +144,7 @@ function followRoute() {
 function listen() {
   on("session", (value) => (session.value = value));
   on("update", (_, map) => map === openMapId.value && columns.value?.pull());
+  on("scene", (value, map) => map === openMapId.value && value.viewer === viewer && takeScene(value));
   on("graph", (_, map) => map === openMapId.value && (graphRevision.value += 1));
   on("parameters", (value, map) => map === openMapId.value && echo(value));
 }

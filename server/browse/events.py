@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 
+import numpy as np
+
 from server.browse.snapshot import Pair
 from server.browse.timeline import Timeline
 from server.schemas import TimelineEvent, TimelineUpdates
 from slam.types import Tier
 
+_REJECTED, _PLACE = "Loop/RejectedHypothesis/", "Loop/Highest_hypothesis_id/"
 #: Nodes that a text names; of more it says how many.
 _NAMED = 4
 
@@ -29,6 +32,7 @@ def updates(timeline: Timeline) -> TimelineUpdates:
 def _events(timeline: Timeline) -> Iterator[TimelineEvent]:
     yield from _sessions(timeline)
     yield from _verdicts(timeline)
+    yield from _rejected(timeline)
     yield from _lost(timeline)
     yield from _moves(timeline)
 
@@ -54,6 +58,17 @@ def _verdicts(timeline: Timeline) -> Iterator[TimelineEvent]:
             yield TimelineEvent(at=update, kind="loop", text=f"{_name(pairs)} accepted: {kinds}", pairs=_lists(pairs))
         if refused:
             yield TimelineEvent(at=update, kind="refused", text=f"{_name(refused)} refused", pairs=_lists(refused))
+
+
+def _rejected(timeline: Timeline) -> Iterator[TimelineEvent]:
+    """Hypotheses that RTAB-Map rejected: it keeps no more of them than this statistic."""
+    table, snapshot = timeline.statistics, timeline.snapshot
+    if snapshot.candidate_rows or not {_REJECTED, _PLACE} <= table.values.keys():
+        return
+    for row in np.flatnonzero((table.values[_REJECTED] > 0) & (table.values[_PLACE] > 0)).tolist():
+        pair = int(table.values[_PLACE][row]), int(table.ids[row])
+        if set(pair) <= snapshot.rows.keys():
+            yield TimelineEvent(at=pair[1], kind="refused", text=f"{_name([pair])} refused", pairs=_lists([pair]))
 
 
 def _lost(timeline: Timeline) -> Iterator[TimelineEvent]:

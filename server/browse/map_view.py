@@ -9,8 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from server.browse.beliefs import BeliefLog
+from server.browse.grid_then import GridThen
 from server.browse.increments import Increments
 from server.browse.moves import Move, moves_of_states
+from server.browse.node_values import NodeNumbers
+from server.browse.optimising import Optimisations
+from server.browse.past import Past
 from server.browse.pixels import Pixels
 from server.browse.snapshot import Snapshot
 from server.browse.statistics import StatisticsLog
@@ -36,6 +40,8 @@ class MapView:
         trials: what the images say of loops that were never tried.
         pixels: depth of single pixels.
         what_ifs: what another ``Rtabmap/LoopThr`` would mean.
+        optimisations: of its graph, looked at and not stored.
+        node_numbers: what nodes can be coloured by.
     """
 
     def __init__(self, file: MapFile) -> None:
@@ -46,6 +52,8 @@ class MapView:
         self.trials = LoopTrials(self.reader)
         self.pixels = Pixels(self.reader)
         self.what_ifs = WhatIfs(self)
+        self.optimisations = Optimisations()
+        self.node_numbers = NodeNumbers(self)
         self._tiers = TierLog(self.reader)
         self._beliefs = BeliefLog(self.reader)
         self._lock = threading.Lock()
@@ -53,6 +61,8 @@ class MapView:
         self._revision = 0
         self._snapshot: Snapshot | None = None
         self._timeline: Timeline | None = None
+        self._past: Past | None = None
+        self._grids: GridThen | None = None
         # How many updates slamdeck did not make, and what moved in them.
         self._earlier: tuple[int, Sequence[Move]] = (0, ())
         # Of updates, which are read once.
@@ -90,6 +100,14 @@ class MapView:
         made = Timeline(snapshot, [*self._earlier_moves(measured, recorded), *recorded], measured)
         self._timeline = made
         return made
+
+    def past(self) -> Past:
+        """The moments of that timeline; for the one thread that draws the 3D view."""
+        timeline = self.timeline()
+        if self._past is None or self._past.timeline is not timeline:
+            self._grids = self._grids or GridThen(self.reader, timeline.snapshot.params)
+            self._past = Past(timeline, self._grids)
+        return self._past
 
     def _earlier_moves(self, measured: StatisticsTable, recorded: Sequence[Move]) -> Sequence[Move]:
         """Moves of updates that slamdeck did not make; read anew only when there are more of them."""

@@ -203,14 +203,14 @@ class Snapshot:
         return frozenset(self.reader.nodes_with("calibration").tolist())
 
     @cached_property
-    def with_depth(self) -> frozenset[int]:
+    def pictured(self) -> frozenset[int]:
         """Nodes that have all that a cloud takes: image, depth and camera."""
         images, depths = self.reader.nodes_with("image"), self.reader.nodes_with("depth")
         return frozenset(images.tolist()) & frozenset(depths.tolist()) & self.calibrated
 
     @cached_property
-    def with_scans(self) -> frozenset[int]:
-        """Nodes that have a scan."""
+    def scanned(self) -> frozenset[int]:
+        """Nodes that have points of a scanner."""
         return frozenset(self.reader.nodes_with("scan").tolist())
 
     @cached_property

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -75,6 +76,22 @@ class Timeline:
     def knows_memory(self) -> bool:
         """Whether the file records which node was in which memory."""
         return bool(self.moves)
+
+    @cached_property
+    def links_before(self) -> Mapping[Pair, Link | None]:
+        """The links as they were before anybody decided about one; None for pairs that had none."""
+        return _before_decisions(self.snapshot)
+
+    @cached_property
+    def turns(self) -> list[int]:
+        """Updates, ascending, in which a loop came into the graph or left it."""
+        loops: set[Pair] = set()
+        found = []
+        for one in self.verdicts:
+            if one.accepted != (one.pair in loops):
+                loops ^= {one.pair}
+                found.append(one.update)
+        return sorted(set(found))
 
     def moment(self, at: int) -> Moment:
         """What the map was after the last update that is not after node ``at``."""

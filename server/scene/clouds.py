@@ -39,7 +39,7 @@ class CloudLayer:
         self._unusable: set[int] = set()
         self._with_images: frozenset[int] = frozenset()
         self._visible = True
-        self._until: int | None = None
+        self._shown: Collection[int] | None = None
 
     def draw(
         self,
@@ -48,14 +48,14 @@ class CloudLayer:
         with_scans: Collection[int] = (),
         *,
         visible: bool,
-        until: int | None = None,
+        shown: Collection[int] | None = None,
     ) -> None:
         """Move what is there to where the nodes are now, and choose which clouds are missing.
 
-        Those of nodes after ``until`` are kept, but not shown.
+        Those of other nodes than ``shown`` (all) are kept, but not to be seen.
         """
         self._visible = visible
-        self._until = until
+        self._shown = shown
         self._with_images = frozenset(with_images)
         self._choice.update(graph, {*with_images, *with_scans})
         self._poses = {node_id: graph.T_map[graph.rows[node_id]] for node_id in self._choice.ids}
@@ -103,7 +103,7 @@ class CloudLayer:
         )
 
     def _is_visible(self, node_id: int) -> bool:
-        return self._visible and (self._until is None or node_id <= self._until)
+        return self._visible and (self._shown is None or node_id in self._shown)
 
     def sample(self) -> NDArray[np.float64]:
         """Some points (N, 3) of all clouds sent so far, in the map frame."""

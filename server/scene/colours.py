@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from server.browse.node_values import scale
 from server.scene.placed import PlacedGraph
 from server.scene.tone import Rgb
 from server.schemas.scene import Colouring
 
 Colours = NDArray[np.uint8]
+
+#: Colourings that need no numbers of their own.
+NAMED = ("memory", "session", "time", "weight")
 
 #: Sessions, in turn: far apart in hue, and none of them red like a loop.
 _SESSIONS = np.array(
@@ -34,6 +39,7 @@ class Theme:
     neighbor: Rgb
     loop: Rgb
     proximity: Rgb
+    in_time: Rgb
     user: Rgb
     coming: Rgb
     overlay_from: Rgb
@@ -58,6 +64,7 @@ DARK = Theme(
     neighbor=(128, 142, 166),
     loop=(255, 82, 133),
     proximity=(255, 150, 190),
+    in_time=(255, 190, 150),
     user=(177, 140, 255),
     coming=(94, 234, 212),
     overlay_from=(255, 150, 60),
@@ -81,6 +88,7 @@ LIGHT = Theme(
     neighbor=(112, 124, 146),
     loop=(214, 30, 96),
     proximity=(236, 110, 160),
+    in_time=(226, 120, 90),
     user=(120, 80, 220),
     coming=(0, 138, 128),
     overlay_from=(224, 96, 0),
@@ -102,8 +110,15 @@ def theme(dark: bool) -> Theme:
     return DARK if dark else LIGHT
 
 
-def node_colours(graph: PlacedGraph, how: Colouring, look: Theme) -> Colours:
-    """Colour (N, 3) of each node."""
+def node_colours(graph: PlacedGraph, how: Colouring, look: Theme, values: Mapping[int, float] | None = None) -> Colours:
+    """Colour (N, 3) of each node; by ``values`` (id -> number) where they are given, grey where there is none."""
+    if values is not None:
+        low, high = scale(values)
+        numbers = np.array([values.get(i, np.nan) for i in graph.ids.tolist()], np.float64)
+        known = np.isfinite(numbers)
+        colours = _on_scale(np.where(known, numbers, low).clip(low, high), (low, high))
+        colours[~known] = look.refused
+        return colours
     if how == "session":
         order = np.unique(graph.map_ids, return_inverse=True)[1]
         return np.asarray(_SESSIONS[order % len(_SESSIONS)])
@@ -114,9 +129,9 @@ def node_colours(graph: PlacedGraph, how: Colouring, look: Theme) -> Colours:
     return np.asarray(np.array([look.stm, look.wm, look.ltm], dtype=np.uint8)[graph.tiers])
 
 
-def _on_scale(values: NDArray[np.float64]) -> Colours:
-    """Values (N,), the least to the greatest, as colours (N, 3) of the scale in 256 steps."""
-    least, greatest = (values.min(), values.max()) if len(values) else (0.0, 0.0)
+def _on_scale(values: NDArray[np.float64], ends: tuple[float, float] | None = None) -> Colours:
+    """Values (N,), the least to the greatest or from end to end, as colours (N, 3) of the scale in 256 steps."""
+    least, greatest = ends or ((values.min(), values.max()) if len(values) else (0.0, 0.0))
     level = np.rint(255.0 * (values - least) / max(greatest - least, 1e-9))
     place = level / 255.0 * (len(_SCALE) - 1)
     channels = [np.interp(place, np.arange(len(_SCALE)), _SCALE[:, channel]) for channel in range(3)]

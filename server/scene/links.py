@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +25,7 @@ _THICKNESS_PX = {
     LinkKind.NEIGHBOR: 1.5,
     LinkKind.VIRTUAL: 1.0,
     LinkKind.PROXIMITY: 1.8,
+    LinkKind.TIME: 1.8,
     LinkKind.LOOP: 2.4,
     LinkKind.USER: 2.4,
     LinkKind.REFUSED: 1.4,
@@ -47,10 +48,14 @@ class LinkLayer:
         self._lines = {kind: Lines(scene, f"/graph/{kind.value}", _THICKNESS_PX[kind]) for kind in LinkKind}
         self._knots = {kind: Batch(scene, f"/graph/knots/{kind.value}", self._picker(kind)) for kind in LOOPS}
 
-    def draw(self, graph: PlacedGraph, radius: float, look: Theme, *, visible: bool) -> None:
-        """Show the links as they are now; ``radius`` is that of the nodes."""
+    def draw(
+        self, graph: PlacedGraph, radius: float, look: Theme, *, visible: bool, hidden: Collection[str] = ()
+    ) -> None:
+        """Show the links as they are now but for ``hidden`` kinds; ``radius`` is that of the nodes."""
         self._graph = graph
         for kind, rows in graph.links.items():
+            if kind.value in hidden:
+                rows = rows[:0]
             ends, rgb = graph.positions[rows], colour(kind, look)
             if kind not in LOOPS:
                 self._lines[kind].draw(ends, rgb, visible=visible)
@@ -77,6 +82,7 @@ def colour(kind: LinkKind, look: Theme) -> Rgb:
         LinkKind.NEIGHBOR: look.neighbor,
         LinkKind.LOOP: look.loop,
         LinkKind.PROXIMITY: look.proximity,
+        LinkKind.TIME: look.in_time,
         LinkKind.USER: look.user,
         LinkKind.VIRTUAL: look.virtual,
         LinkKind.REFUSED: look.refused,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,11 +28,20 @@ class NodeLayer:
         self._ids: Ints = np.zeros(0, dtype=np.int64)
         self._balls = Batch(scene, "/graph/nodes", self._clicked)
 
-    def draw(self, graph: PlacedGraph, radius: float, how: Colouring, look: Theme, *, visible: bool) -> None:
+    def draw(
+        self,
+        graph: PlacedGraph,
+        radius: float,
+        how: Colouring,
+        look: Theme,
+        *,
+        visible: bool,
+        values: Mapping[int, float] | None = None,
+    ) -> None:
         """Show the nodes as they are now."""
         self._ids = graph.ids
         ball = icosphere(2 if len(graph) <= _FINE else 1)
-        self._balls.draw(graph.positions, node_colours(graph, how, look), ball, radius, visible=visible)
+        self._balls.draw(graph.positions, node_colours(graph, how, look, values), ball, radius, visible=visible)
 
     def _clicked(self, index: int) -> None:
         ids = self._ids

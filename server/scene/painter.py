@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from server.browse.past import Then
 from server.browse.snapshot import Pair, Snapshot
-from server.browse.timeline import Moment
 from server.scene.closeup import CloseUpLayer
 from server.scene.clouds import CloudLayer
 from server.scene.colours import Theme, theme
@@ -25,16 +25,18 @@ from server.scene.measure import Measure
 from server.scene.model import ModelLayer
 from server.scene.newest import NewestLayer
 from server.scene.nodes import NodeLayer
+from server.scene.optimised import OptimisedLayer
 from server.scene.overlay import OverlayLayer
 from server.scene.paths import PathLayer
 from server.scene.placed import PlacedGraph
+from server.scene.shown import Shown
 from server.scene.viewer import Viewer
 from server.schemas import LoopWhatIf
 from server.schemas.scene import Scene, SceneLayers
 from slam.geometry import Pose
 from slam.loop.foresight import Outcome
 
-#: Clouds read before the file is looked at again.
+#: Clouds read before the file is looked at again, one while somebody goes through its past.
 _AT_ONCE = 4
 #: Clouds from all over the map that tell where its floor is and how large it looks, before the camera is placed.
 _FIRST = 12
@@ -50,9 +52,22 @@ class Picture:
 
     snapshot: Snapshot
     graph: PlacedGraph
-    state: Scene
-    ghosts: LoopWhatIf | None = None
-    moment: Moment | None = None
+    wanted: Shown
+
+    @property
+    def state(self) -> Scene:
+        """Layers, colours and selection."""
+        return self.wanted.state
+
+    @property
+    def then(self) -> Then | None:
+        """The moment that is shown; None for now."""
+        return self.wanted.then
+
+    @property
+    def ghosts(self) -> LoopWhatIf | None:
+        """What another threshold would mean for the map of now."""
+        return self.wanted.ghosts if self.then is None else None
 
     @property
     def look(self) -> Theme:
@@ -61,13 +76,33 @@ class Picture:
 
     @cached_property
     def shown(self) -> PlacedGraph:
-        """The part of the graph that was there."""
-        return self.graph if self.moment is None else self.graph.then(self.moment)
+        """The part of the graph that was there, of the sessions that are not hidden."""
+        graph = self.graph if self.then is None else self.graph.then(self.then.moment, self.then.poses)
+        return graph.without_sessions(self.state.hidden_sessions) if self.state.hidden_sessions else graph
+
+    @cached_property
+    def placed(self) -> PlacedGraph:
+        """All nodes where they are shown: those of then where they were, and out of sight those that came later."""
+        if self.then is None or self.then.poses is None:
+            return self.graph
+        then = self.graph.then(self.then.moment, self.then.poses)
+        T_map = self.graph.T_map.copy()
+        T_map[: len(then)] = then.T_map
+        return replace(self.graph, T_map=T_map)
+
+    @property
+    def landmarks(self) -> Mapping[int, Pose]:
+        """Those that a node which is shown has seen."""
+        poses = {i: T for i, T in self.snapshot.poses.items() if i < 0}
+        if not poses or self.shown is self.graph:
+            return poses
+        seen = {link.to_id for link in self.snapshot.constraints if link.from_id in self.shown.rows}
+        return {i: T for i, T in poses.items() if i in seen}
 
     @property
     def until(self) -> int | None:
         """The last node that was there; None for all."""
-        return None if self.moment is None else self.moment.at
+        return None if self.then is None else self.then.moment.at
 
     @property
     def alone(self) -> bool:
@@ -81,7 +116,7 @@ class Picture:
             return self.state.layers
         return SceneLayers(**dict.fromkeys(SceneLayers.model_fields, False))
 
-    @property
+    @cached_property
     def measure(self) -> Measure:
         """Its sizes."""
         return Measure.of(self.graph.positions)
@@ -104,6 +139,7 @@ class Painter:
         self._landmarks = LandmarkLayer(scene)
         self._model = ModelLayer(scene)
         self._ghosts = GhostLayer(scene)
+        self._optimised = OptimisedLayer(scene)
         self._overlay = OverlayLayer(scene)
         self._closeup = CloseUpLayer(scene)
         self._highlight = Highlight(scene)
@@ -124,25 +160,23 @@ class Painter:
         """Close the port."""
         self._viewer.stop()
 
-    def draw(
-        self, snapshot: Snapshot, state: Scene, ghosts: LoopWhatIf | None = None, moment: Moment | None = None
-    ) -> None:
-        """Show the map as it is now, with ghosts of what it would be, or as it was at a moment.
+    def draw(self, snapshot: Snapshot, wanted: Shown) -> None:
+        """Show the map as it is now, with what it could be beside it, or as it was at a moment.
 
         Missing clouds come with ``load_some``.
         """
-        before = self._shown
+        before, state = self._shown, wanted.state
         graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
-        picture = Picture(snapshot, graph, state, ghosts if moment is None else None, moment)
-        with_images = snapshot.with_depth if state.layers.cloud else frozenset()
-        with_scans = snapshot.with_scans if state.layers.cloud else frozenset()
-        grid = snapshot.reader.grid() if state.layers.grid else None
+        picture = Picture(snapshot, graph, wanted)
+        shown = None if picture.shown is graph else picture.shown.rows
+        with_images = snapshot.pictured if state.layers.cloud else frozenset()
+        with_scans = snapshot.scanned if state.layers.cloud else frozenset()
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
             overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
             visible = picture.layers.cloud and not overlaid
-            self._clouds.draw(graph, with_images, with_scans, visible=visible, until=picture.until)
+            self._clouds.draw(picture.placed, with_images, with_scans, visible=visible, shown=shown)
             self._draw_graph(picture)
             self._highlight.draw(
                 snapshot,
@@ -155,7 +189,7 @@ class Painter:
                 image="cloud" not in state.node_parts,
             )
             self._model.draw(snapshot.reader, snapshot.revision, visible=picture.layers.model)
-            self._floor.draw_grid(grid, picture.look, visible=picture.layers.grid)
+            self._draw_grid(picture)
             self._draw_ground(picture)
             self._closeup.draw(
                 snapshot.reader,
@@ -189,7 +223,7 @@ class Painter:
         if picture is None or not len(picture.graph):
             return False
         missing = self._clouds.missing if picture.state.layers.cloud else []
-        chosen = missing[: -_AT_ONCE - 1 : -1]
+        chosen = missing[: -(_AT_ONCE if picture.then is None else 1) - 1 : -1]
         if self._framing is None and len(missing) > _FIRST:
             chosen = [missing[i] for i in np.linspace(0, len(missing) - 1, _FIRST).astype(int)]
         self._clouds.load(picture.snapshot.reader, chosen)
@@ -201,23 +235,30 @@ class Painter:
         return more
 
     def _draw_graph(self, picture: Picture) -> None:
-        graph, moment = picture.shown, picture.moment
-        look, measure = picture.look, picture.measure
-        layers = (
-            SceneLayers(**dict.fromkeys(SceneLayers.model_fields, False)) if picture.alone else picture.state.layers
-        )
+        graph, moment = picture.shown, None if picture.then is None else picture.then.moment
+        hidden, values = picture.state.hidden_links, picture.wanted.values
+        look, layers, measure = picture.look, picture.layers, picture.measure
         T_map_base = None if moment is None else moment.T_map_base
-        self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph)
+        self._nodes.draw(graph, measure.node, picture.state.colour, look, visible=layers.graph, values=values)
         going = pairs_of(picture.ghosts, Outcome.GOES)
-        self._links.draw(graph.without(going), measure.node, look, visible=layers.graph)
+        self._links.draw(graph.without(going), measure.node, look, visible=layers.graph, hidden=hidden)
         self._ghosts.draw(graph, picture.ghosts, measure, look, visible=layers.graph)
+        self._optimised.draw(graph, picture.wanted.optimised, measure.dash, look, visible=layers.graph)
         self._paths.draw(
-            picture.graph, measure.dash, look, odometry=layers.odometry, truth=layers.truth, until=picture.until
+            picture.placed, measure.dash, look, odometry=layers.odometry, truth=layers.truth, until=picture.until
         )
         self._frusta.draw(graph, measure.frustum, look, visible=layers.frusta)
-        self._landmarks.draw(picture.snapshot.poses, measure.frustum, visible=layers.graph)
+        landmarks = layers.graph and "landmark" not in hidden
+        self._landmarks.draw(picture.landmarks, measure.frustum, visible=landmarks)
         self._newest.draw(graph, _NEWEST * measure.frustum, look, visible=layers.graph, T_map_base=T_map_base)
         self._hypothesis.draw(graph, moment, measure.node, look, visible=layers.graph)
+
+    def _draw_grid(self, picture: Picture) -> None:
+        then, shown = picture.then, picture.layers.grid
+        if then is not None:
+            self._floor.draw_grid(then.grid, picture.look, visible=shown, sharp=then.is_complete)
+        else:
+            self._floor.draw_grid(picture.snapshot.reader.grid() if shown else None, picture.look, visible=shown)
 
     def _draw_ground(self, picture: Picture) -> None:
         height = floor_height(picture.graph.positions, self._clouds.sample())

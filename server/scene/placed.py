@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from server.browse.snapshot import Pair, Snapshot
 from server.browse.timeline import Moment
+from slam.geometry import Pose
 from slam.types import LinkType, Tier
 
 Array = NDArray[np.float64]
@@ -25,6 +26,7 @@ class LinkKind(Enum):
     NEIGHBOR = "neighbor"
     LOOP = "loop"
     PROXIMITY = "proximity"
+    TIME = "time"
     USER = "user"
     VIRTUAL = "virtual"
     REFUSED = "refused"
@@ -35,12 +37,12 @@ _KINDS = {
     LinkType.NEIGHBOR_MERGED: LinkKind.NEIGHBOR,
     LinkType.GLOBAL_CLOSURE: LinkKind.LOOP,
     LinkType.LOCAL_SPACE_CLOSURE: LinkKind.PROXIMITY,
-    LinkType.LOCAL_TIME_CLOSURE: LinkKind.PROXIMITY,
+    LinkType.LOCAL_TIME_CLOSURE: LinkKind.TIME,
     LinkType.USER_CLOSURE: LinkKind.USER,
     LinkType.VIRTUAL_CLOSURE: LinkKind.VIRTUAL,
 }
 #: Those that are no part of the path.
-LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.USER, LinkKind.REFUSED)
+LOOPS = (LinkKind.LOOP, LinkKind.PROXIMITY, LinkKind.TIME, LinkKind.USER, LinkKind.REFUSED)
 
 #: Of more refused loops than this only the newest are shown.
 _MOST_REFUSED = 300
@@ -111,15 +113,34 @@ class PlacedGraph:
         }
         return replace(self, links=kept)
 
-    def then(self, moment: Moment) -> PlacedGraph:
-        """What of it was there at a moment, with the tiers and loops of then, at the poses of now."""
+    def without_sessions(self, sessions: Collection[int]) -> PlacedGraph:
+        """The same without the nodes of some sessions and their links."""
+        kept = ~np.isin(self.map_ids, list(sessions))
+        if kept.all():
+            return self
+        place = np.cumsum(kept) - 1
+        ids = self.ids[kept]
+        return PlacedGraph(
+            ids=ids,
+            T_map=self.T_map[kept],
+            T_odom=self.T_odom[kept],
+            T_world=self.T_world[kept],
+            map_ids=self.map_ids[kept],
+            weights=self.weights[kept],
+            tiers=self.tiers[kept],
+            links={kind: place[rows[kept[rows].all(axis=1)]] for kind, rows in self.links.items()},
+            rows={node_id: row for row, node_id in enumerate(ids.tolist())},
+        )
+
+    def then(self, moment: Moment, poses: Mapping[int, Pose] | None = None) -> PlacedGraph:
+        """What of it was there at a moment, with the tiers and loops of then, at the poses of then or else of now."""
         count = int(np.searchsorted(self.ids, moment.at, side="right"))
         rows = {node_id: row for node_id, row in self.rows.items() if row < count}
         links = {kind: pairs[(pairs < count).all(axis=1)] for kind, pairs in self.links.items()}
         return replace(
             self,
             ids=self.ids[:count],
-            T_map=self.T_map[:count],
+            T_map=self.T_map[:count] if poses is None else self._moved(count, poses),
             T_odom=self.T_odom[:count],
             T_world=self.T_world[:count],
             map_ids=self.map_ids[:count],
@@ -128,6 +149,14 @@ class PlacedGraph:
             links=links | _loops_then(moment, rows),
             rows=rows,
         )
+
+    def _moved(self, count: int, poses: Mapping[int, Pose]) -> Array:
+        """The first poses (count, 4, 4), where others are known those."""
+        T_map = self.T_map[:count].copy()
+        for row, node_id in enumerate(self.ids[:count].tolist()):
+            if node_id in poses:
+                T_map[row] = poses[node_id]
+        return T_map
 
     def pair_of(self, kind: LinkKind, index: int) -> Pair:
         """Ids of both nodes of a link."""
@@ -148,17 +177,17 @@ def _links(snapshot: Snapshot, rows: dict[int, int]) -> dict[LinkKind, Ints]:
 
 def _loops_then(moment: Moment, rows: dict[int, int]) -> dict[LinkKind, Ints]:
     found: dict[LinkKind, list[Pair]] = {kind: [] for kind in LOOPS}
-    for (a, b), type_ in moment.loops.items():
-        if a in rows and b in rows:
-            found[_KINDS[type_]].append((rows[b], rows[a]))
+    for pair, type_ in moment.loops.items():
+        found[_KINDS[type_]].append((pair[1], pair[0]))
+    placed = {kind: [(rows[b], rows[a]) for b, a in pairs if a in rows and b in rows] for kind, pairs in found.items()}
     refused = [(rows[a], rows[b]) for a, b in moment.refused if a in rows and b in rows]
-    found[LinkKind.REFUSED] = sorted(refused, key=max)[-_MOST_REFUSED:]
-    return _ordered(found)
+    placed[LinkKind.REFUSED] = sorted(refused, key=max)[-_MOST_REFUSED:]
+    return _ordered(placed)
 
 
 def _ordered(found: dict[LinkKind, list[Pair]]) -> dict[LinkKind, Ints]:
-    ordered = {kind: sorted(pairs, key=lambda pair: (max(pair), min(pair))) for kind, pairs in found.items()}
-    return {kind: np.array(pairs, dtype=np.int64).reshape(-1, 2) for kind, pairs in ordered.items()}
+    arrays = {kind: np.array(pairs, dtype=np.int64).reshape(-1, 2) for kind, pairs in found.items()}
+    return {kind: pairs[np.lexsort((pairs.min(axis=1), pairs.max(axis=1)))] for kind, pairs in arrays.items()}
 
 
 def _refused(snapshot: Snapshot, rows: dict[int, int]) -> list[Pair]:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from server.browse.map_view import MapView
+from server.browse.past import Then
 from server.browse.snapshot import Pair
+from server.scene.colours import NAMED
+from server.scene.shown import OptimisedPath, Shown
 from server.schemas import LoopWhatIf
-from server.schemas.scene import Scene, SceneChange, SceneLayers
+from server.schemas.scene import Placing, Scene, SceneChange, SceneLayers
 from slam.errors import SlamError
 from slam.geometry import Pose
 
@@ -19,10 +23,12 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-#: A map that is being written is drawn at most this often.
-_PAUSE_S = 0.15
-#: What somebody asks for, as by drawing the timeline's slider, follows faster.
-_ASKED_PAUSE_S = 0.02
+#: A map that is being written is drawn at most this often, one whose past somebody goes through as often as it can be.
+_PAUSE_S, _SCRUB_S = 0.15, 0.01
+#: A moment that stays this long is drawn with all that takes longer.
+_SETTLED_S = 0.25
+
+Tell = Callable[[Scene], None]
 
 
 class MapScene:
@@ -43,21 +49,26 @@ class MapScene:
         view: MapView,
         on_select: Callable[[str, tuple[int, ...]], None],
         trial: Callable[[int], LoopWhatIf | None] = lambda _: None,
+        on_state: Tell | None = None,
         *,
         dark: bool = True,
         started: bool = True,
     ) -> None:
-        """A view; ``trial`` says what the map would be by a trial, None where there is none."""
+        """A view; ``trial`` says what a trial would make of the map, ``on_state`` hears what is shown."""
         self.view = view
         self._on_select = on_select
         self._trial = trial
-        self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark)
+        self._on_state = on_state
+        # The moment shown is drawn in full once nobody goes on from it.
+        self._incomplete = self._patient = False
+        # Later scenes of the same map go on from here, also those of the next server.
+        first = time.time_ns() // 1_000_000
+        self._state = Scene(layers=SceneLayers(), colour="memory", dark=dark, revision=first)
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._stale = threading.Event()
         self._looking = threading.Event()
         self._pose: Pose | None = None
-        self._pause_s = _PAUSE_S
         self._closing = threading.Event()
         self._worker: threading.Thread | None = None
         if started:
@@ -89,13 +100,11 @@ class MapScene:
 
     def refresh(self) -> None:
         """The map's file may have changed: draw it anew, soon."""
-        self._pause_s = _PAUSE_S
         self._stale.set()
         self._changed.set()
 
     def move(self, T_map_base: Pose | None) -> None:
         """The camera of the run that makes the map is here now; None while it is lost."""
-        self._pause_s = _PAUSE_S
         self._pose = T_map_base
         self._changed.set()
 
@@ -127,8 +136,15 @@ class MapScene:
                 state.trial = change.trial
             if "overlay" in named:
                 state.overlay = change.overlay
+            if "optimised" in named:
+                state.optimised = change.optimised
+            if change.hidden_links is not None:
+                state.hidden_links = change.hidden_links
+            if change.hidden_sessions is not None:
+                state.hidden_sessions = change.hidden_sessions
             if "at" in named:
                 state.at = change.at
+                state.placing, state.placing_note = ("now", "") if change.at is None else (state.placing, "")
             if "selected_node" in named:
                 state.selected_node = change.selected_node
                 if change.selected_node is not None:
@@ -137,9 +153,9 @@ class MapScene:
                 state.selected_link = change.selected_link
                 if change.selected_link is not None and change.selected_node is None:
                     state.selected_node = None
-        self._pause_s = _ASKED_PAUSE_S
-        self._stale.set()
-        self._changed.set()
+            state.revision += 1
+        self.refresh()
+        self._tell()
         return self.state()
 
     def close(self) -> None:
@@ -160,13 +176,54 @@ class MapScene:
         self.change(SceneChange(selected_link=list(pair)))
         self._on_select("link", pair)
 
+    def _tell(self) -> None:
+        if self._on_state is not None:
+            self._on_state(self.state())
+
+    def _then(self, state: Scene) -> Then | None:
+        """What is shown of the past; what takes long only when somebody stays there."""
+        if state.at is None:
+            self._incomplete = False
+            return None
+        then = self.view.past().at(state.at, with_grid=state.layers.grid, patient=self._patient)
+        self._incomplete = not then.is_complete
+        return then
+
+    def _placed(self, drawn: Scene, then: Then | None) -> Scene:
+        """What is drawn, with where its nodes stand; everybody is told when that is something else than before."""
+        if then is None:
+            return drawn
+        placing: Placing = "then" if then.poses is not None else "now" if then.failure else "soon"
+        said = {"placing": placing, "placing_note": then.failure or ""}
+        with self._lock:
+            changed = any(getattr(self._state, name) != value for name, value in said.items())
+            if changed:
+                self._state = self._state.model_copy(update={**said, "revision": self._state.revision + 1})
+            drawn = drawn.model_copy(update={**said, "revision": self._state.revision})
+        if changed:
+            self._tell()
+        return drawn
+
+    def _optimised(self, state: Scene) -> OptimisedPath | None:
+        """The path of the step that somebody looks at."""
+        if state.optimised is None or state.at is not None:
+            return None
+        course = self.view.optimisations.course(self.view.snapshot(), state.optimised.ask)
+        return OptimisedPath(course.ids, course.paths[min(state.optimised.step, len(course.paths) - 1)])
+
+    def _values(self, state: Scene) -> Mapping[int, float] | None:
+        """What nodes are coloured by, where that is a number of each."""
+        return None if state.colour in NAMED else self.view.node_numbers.of(state.colour)
+
     def _draw(self) -> None:
         pose, self._pose = self._pose, None
         if self._stale.is_set():
             self._stale.clear()
             state = self.state()
-            moment = None if state.at is None else self.view.timeline().moment(state.at)
-            self._painter.draw(self.view.snapshot(), state, self._ghosts(state), moment)
+            then = self._then(state)
+            placed = self._placed(state, then)
+            shown = Shown(placed, self._ghosts(state), then, self._optimised(state), self._values(state))
+            self._painter.draw(self.view.snapshot(), shown)
         if pose is not None and self._state.at is None:
             self._painter.move(pose)
         if self._looking.is_set():
@@ -184,12 +241,26 @@ class MapScene:
         pending = False
         while not self._closing.is_set():
             try:
-                if self._changed.wait(timeout=0.0 if pending else None):
+                if self._changed.wait(timeout=self._idle_s(pending)):
                     self._changed.clear()
+                    self._patient = False
                     self._draw()
-                pending = not self._closing.is_set() and self._painter.load_some()
+                elif self._incomplete:
+                    self._patient = True
+                    self._stale.set()
+                    self._draw()
+                if not self._changed.is_set():
+                    pending = not self._closing.is_set() and self._painter.load_some()
             except SlamError as error:
                 # The file is gone or can't be read now: what is shown stays, the next change tries again.
                 _LOG.warning("the 3D view of %s is not drawn anew: %s", self.view.file.name, error)
                 pending = False
-            self._closing.wait(0.0 if pending else self._pause_s)
+            self._closing.wait(0.0 if pending else _PAUSE_S if self._state.at is None else _SCRUB_S)
+
+    def _idle_s(self, pending: bool) -> float | None:
+        """How long to wait for a change before something else is done; None where nothing else is to be done."""
+        if pending:
+            return 0.0
+        if not self._incomplete:
+            return None
+        return 0.0 if self._patient else _SETTLED_S

@@ -10,6 +10,7 @@ from server.browse.map_view import MapView
 from server.hub import Hub
 from server.scene.scene import MapScene
 from server.schemas import LoopWhatIf
+from server.schemas.scene import Scene
 from slam.geometry import Pose
 
 #: So many draw at a time, as long as nobody looks at the others; and at most.
@@ -18,6 +19,7 @@ _OPEN, _MOST = 4, 12
 _KEPT = 100
 
 OnSelect = Callable[[str, tuple[int, ...]], None]
+OnState = Callable[[Scene], None]
 #: A map, and who looks at it; the empty name stands for everybody who gives none.
 Key = tuple[str, str]
 
@@ -56,7 +58,11 @@ class Scenes:
             if scene is not None:
                 scene.close()
             scene = self._scenes[key] = MapScene(
-                view, self._selected(*key), lambda number: self._trial(view, number), started=False
+                view,
+                self._selected(*key),
+                lambda number: self._trial(view, number),
+                self._changed(*key),
+                started=False,
             )
         self._scenes.move_to_end(key)
         while len(self._scenes) > _KEPT:
@@ -81,6 +87,14 @@ class Scenes:
 
         def publish(kind: str, ids: tuple[int, ...]) -> None:
             self._hub.publish("selection", map_id, {"kind": kind, "ids": list(ids), "viewer": viewer})
+
+        return publish
+
+    def _changed(self, map_id: str, viewer: str) -> OnState:
+        """Tells the browsers of the map what a viewer's 3D view shows now: some of it comes about by itself."""
+
+        def publish(state: Scene) -> None:
+            self._hub.publish("scene", map_id, {**state.model_dump(by_alias=True), "viewer": viewer})
 
         return publish
 

@@ -6,6 +6,8 @@ pure colours pale; clouds and images are left alone. It also takes the colours o
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,8 +21,11 @@ _EXPOSURE = 1.0 / 0.6
 _GREY = 0.85
 _SHARES = np.linspace(0.0, 1.0, 21)[:, None, None]
 _TOLERANCE = 0.02
+#: Makes one number of a colour.
+_CODE = np.array([65536, 256, 1])
 
 
+@lru_cache(maxsize=256)
 def for_line(rgb: Rgb) -> Rgb:
     """What lines, frusta, plain meshes and the ground grid must be given to look like ``rgb``."""
     r, g, b = np.rint(_encoded(_scene_light(np.array([rgb]) / 255.0))[0] * 255.0).astype(int).tolist()
@@ -29,7 +34,8 @@ def for_line(rgb: Rgb) -> Rgb:
 
 def for_batch(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """What the instances of a batched mesh must be given to look like ``colours`` (N, 3)."""
-    distinct, which = np.unique(colours.reshape(-1, 3), axis=0, return_inverse=True)
+    codes, which = np.unique(colours.reshape(-1, 3) @ _CODE, return_inverse=True)
+    distinct = (codes[:, None] // _CODE) % 256
     light = np.rint(_scene_light(distinct / 255.0) * 255.0).astype(np.uint8)
     return np.asarray(light[which.reshape(-1)])
 

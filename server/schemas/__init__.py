@@ -28,7 +28,7 @@ from server.schemas.edits import (
     RefineOptions,
     StartJob,
 )
-from server.schemas.graph import Graph, LinkColumns, NodeColumns
+from server.schemas.graph import Graph, LinkColumns, NodeColumns, NodeValues, ValueNames
 from server.schemas.links import (
     LinkDetail,
     LinkMatches,
@@ -60,7 +60,9 @@ from server.schemas.nodes import (
     UserData,
     Vector,
 )
+from server.schemas.optimising import GraphState, OptimiseAsk, Optimised, ShownOptimisation
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
+from server.schemas.pieces import BestGuess, Component, Components, NearMiss
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics, TimelineEvent, TimelineUpdates
@@ -80,10 +82,13 @@ from server.schemas.trials import (
 from server.schemas.what_if import LoopWhatIf, WhatIfGraph, WhatIfLoop
 
 __all__ = [
+    "BestGuess",
     "CameraModel",
     "Changes",
     "CloudFacts",
     "Colouring",
+    "Component",
+    "Components",
     "Covariances",
     "Decision",
     "DecisionAction",
@@ -95,6 +100,7 @@ __all__ = [
     "ErrorDetail",
     "GpsFix",
     "Graph",
+    "GraphState",
     "GridFacts",
     "Hypothesis",
     "IcpFacts",
@@ -124,6 +130,7 @@ __all__ = [
     "MapInfo",
     "MapSummary",
     "Maps",
+    "NearMiss",
     "NodeColumns",
     "NodeDetail",
     "NodeDrop",
@@ -137,6 +144,9 @@ __all__ = [
     "NodePriorState",
     "NodeRow",
     "NodeSensors",
+    "NodeValues",
+    "OptimiseAsk",
+    "Optimised",
     "Parameter",
     "ParameterChanges",
     "ParameterChoice",
@@ -158,6 +168,7 @@ __all__ = [
     "SessionCommand",
     "SessionFacts",
     "SharedWords",
+    "ShownOptimisation",
     "Size",
     "StartJob",
     "StartRun",
@@ -175,6 +186,7 @@ __all__ = [
     "TrialSide",
     "Trials",
     "UserData",
+    "ValueNames",
     "Vector",
     "WhatIfGraph",
     "WhatIfLoop",

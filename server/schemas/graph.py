@@ -42,3 +42,22 @@ class Graph(Schema):
     correction: PoseList | None
     """``T_map_odom`` of the newest node."""
     ate_m: float | None
+
+
+class ValueNames(Schema):
+    """What nodes can be coloured by beside memory, session, time and weight."""
+
+    names: list[str]
+    """``loops``, ``residual``, ``altitude``, ``sensor:NAME``, ``stat:NAME``."""
+
+
+class NodeValues(Schema):
+    """One number for each node, as a scale of colours."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    """The 2nd and the 98th percentile: the ends of the scale."""
+    known: int
+    """Nodes that have one; the others are grey."""

@@ -7,10 +7,16 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from server.schemas.base import Pair, Schema
+from server.schemas.optimising import ShownOptimisation
 
-Colouring = Literal["memory", "session", "time", "weight"]
+#: ``memory``, ``session``, ``time``, ``weight``, or one of GET /api/maps/{map}/node-values.
+Colouring = Annotated[str, Field(max_length=200)]
 #: The measured transform of the link, or the optimised poses.
 Overlay = Literal["link", "poses"]
+#: Where nodes stand: where they are now, where they were at the moment shown, or there as soon as that is worked out.
+Placing = Literal["now", "then", "soon"]
+#: Links that are drawn alike; refused loops are links that never were.
+LinkClass = Literal["neighbor", "loop", "proximity", "time", "user", "virtual", "refused", "landmark"]
 
 #: What a node has to be seen close up.
 NodePart = Literal["cloud", "words", "scan", "grid", "frustum"]
@@ -49,6 +55,16 @@ class Scene(Schema):
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
     at: int | None = None
     """The node of the update that is shown; null for the map as it is now."""
+    hidden_links: list[LinkClass] = Field(default_factory=list)
+    hidden_sessions: list[int] = Field(default_factory=list)
+    optimised: ShownOptimisation | None = None
+    """An optimisation whose path is shown dashed beside the map's."""
+    placing: Placing = "now"
+    """Of a moment: whether its poses are those of then."""
+    placing_note: str = ""
+    """Why there are none of then."""
+    revision: int = 0
+    """Grows with each change, and from one server to the next."""
 
 
 class LayerChange(Schema):
@@ -77,3 +93,6 @@ class SceneChange(Schema):
     trial: Annotated[int, Field(ge=1)] | None = None
     overlay: Overlay | None = None
     at: Annotated[int, Field(ge=1)] | None = None
+    hidden_links: list[LinkClass] | None = None
+    hidden_sessions: Annotated[list[int], Field(max_length=10_000)] | None = None
+    optimised: ShownOptimisation | None = None

@@ -37,7 +37,7 @@ def completed(graph: PoseGraph, stored: Mapping[int, Pose], params: Params) -> d
 def _completed_piece(
     graph: PoseGraph, oldest: int, piece: Set[int], stored: Mapping[int, Pose], params: Params
 ) -> dict[int, Pose]:
-    graph.poses |= _chained(graph, oldest)
+    graph.poses |= chained(graph, oldest)
     solved = optimize(graph, params, root=oldest)
     known = piece & stored.keys()
     anchor = max(known) if known else oldest
@@ -46,7 +46,7 @@ def _completed_piece(
     return {number: T @ pose for number, pose in poses.items() if number not in stored}
 
 
-def _chained(graph: PoseGraph, first: int) -> dict[int, Pose]:
+def chained(graph: PoseGraph, first: int) -> dict[int, Pose]:
     """Poses put together along links from one node on, those of odometry before loops."""
     found = {first: graph.T_odom[first]}
     queue = deque([first])

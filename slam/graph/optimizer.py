@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -14,7 +14,7 @@ from slam.graph.graph import Pair, PoseGraph
 from slam.graph.incremental import Incremental
 from slam.graph.kernels import Kernel, choose_kernel
 from slam.graph.problem import Problem, choose_root
-from slam.graph.solvers import Solver, batch_solver, cost, outlying
+from slam.graph.solvers import Solver, Watch, batch_solver, cost, outlying
 from slam.graph.spaces import SPATIAL, choose_space
 from slam.graph.start import Starts
 from slam.params import Params
@@ -22,6 +22,10 @@ from slam.types import Link
 
 #: ``Optimizer/Strategy``, as RTAB-Map numbers them.
 _GTSAM = 2
+
+
+#: Sees the poses of all nodes that are optimised and chi2 after each iteration.
+WatchPoses = Callable[[dict[int, Pose], float], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,13 +59,16 @@ class Optimized:
     outliers: tuple[Pair, ...] = ()
 
 
-def optimize(graph: PoseGraph, params: Params, *, root: int | None = None) -> Optimized:
+def optimize(
+    graph: PoseGraph, params: Params, *, root: int | None = None, watch: WatchPoses | None = None
+) -> Optimized:
     """Poses of least chi2, from the graph's poses; the graph itself stays as it is.
 
     Args:
         graph: poses to start from, links and constraints.
         params: groups ``Optimizer`` and ``GTSAM``, ``Reg/Force3DoF``, ``RGBD/OptimizeFromGraphEnd``.
         root: id to hold fixed; by default what ``choose_root`` gives for the newest node.
+        watch: sees each iteration, of solvers that have any: not of GNC, nor of iSAM2.
 
     Raises:
         OptimizationError: the graph is empty, a link has no finite values, or the solver finds no way down.
@@ -74,7 +81,9 @@ def optimize(graph: PoseGraph, params: Params, *, root: int | None = None) -> Op
         return Optimized(dict(graph.poses), 0.0, 0.0, 0, time.perf_counter() - start, root, dropped)
     style = _style(params)
     factors = _workshop().factors(problem, style)
-    found = _solver(graph, params).solve(factors, _starts().values(problem, style.space), params)
+    found = _solver(graph, params, _watched(problem, style, watch)).solve(
+        factors, _starts().values(problem, style.space), params
+    )
     solved = _starts().poses(problem, style.space, found.values)
     if is_held(problem):
         solved[root] = graph.poses[root] if style.space is SPATIAL else style.space.flat(graph.poses[root][None])[0]
@@ -92,6 +101,12 @@ def optimize(graph: PoseGraph, params: Params, *, root: int | None = None) -> Op
         landmarks={i: solved[i] for i in problem.landmark_ids},
         outliers=tuple(problem.links[row].pair for row in outliers),
     )
+
+
+def _watched(problem: Problem, style: Style, watch: WatchPoses | None) -> Watch | None:
+    if watch is None:
+        return None
+    return lambda values, cost: watch(_starts().poses(problem, style.space, values), cost)
 
 
 def chi2(links: Sequence[Link], poses: dict[int, Pose]) -> float:
@@ -119,16 +134,16 @@ def _style(params: Params) -> Style:
     return Style(choose_space(params), choose_kernel(params), params.Optimizer.VarianceIgnored, sigma)
 
 
-def _solver(graph: PoseGraph, params: Params) -> Solver:
+def _solver(graph: PoseGraph, params: Params, watch: Watch | None) -> Solver:
     """By ``Optimizer/Strategy``."""
-    return {_GTSAM: _gtsam_solver}[params.Optimizer.Strategy](graph, params)
+    return {_GTSAM: _gtsam_solver}[params.Optimizer.Strategy](graph, params, watch)
 
 
-def _gtsam_solver(graph: PoseGraph, params: Params) -> Solver:
+def _gtsam_solver(graph: PoseGraph, params: Params, watch: Watch | None) -> Solver:
     """Goes on from the last optimisation where that is asked for; GNC knows no such way."""
     if params.GTSAM.Incremental and choose_kernel(params) is not Kernel.GNC:
         return Incremental(graph, choose_space(params))
-    return batch_solver(params)
+    return batch_solver(params) if watch is None else batch_solver(params, watch)
 
 
 __all__ = ["Optimized", "chi2", "choose_root", "optimize"]

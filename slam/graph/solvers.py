@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -54,18 +55,29 @@ class Solver(Protocol):
         ...
 
 
+#: Sees the poses and the cost after each iteration.
+Watch = Callable[[gtsam.Values, float], None]
+
+
+def _unwatched(values: gtsam.Values, cost: float) -> None:
+    del values, cost
+
+
 class LevenbergMarquardt:
     """Never goes uphill; with Ceres' parameters where its own take no step."""
+
+    def __init__(self, watch: Watch = _unwatched) -> None:
+        self._watch = watch
 
     def solve(self, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
         """By ``Optimizer/Iterations`` and ``Optimizer/Epsilon``."""
         graph, options = factors.graph(), gtsam.LevenbergMarquardtParams()
         options.setlambdaInitial(_UNDAMPED)
-        found = _descend(gtsam.LevenbergMarquardtOptimizer(graph, start, options), factors, params)
+        found = _descend(gtsam.LevenbergMarquardtOptimizer(graph, start, options), factors, params, self._watch)
         if went_down(graph, start, found):
             return found
         ceres = gtsam.LevenbergMarquardtParams.CeresDefaults()
-        again = _descend(gtsam.LevenbergMarquardtOptimizer(graph, start, ceres), factors, params)
+        again = _descend(gtsam.LevenbergMarquardtOptimizer(graph, start, ceres), factors, params, self._watch)
         if again.after < again.before:
             return replace(again, fallback=True)
         raise no_way_down(factors, again, "look for links with wrong information")
@@ -74,17 +86,23 @@ class LevenbergMarquardt:
 class GaussNewton:
     """Full steps; before one that goes uphill Levenberg-Marquardt takes over."""
 
+    def __init__(self, watch: Watch = _unwatched) -> None:
+        self._watch = watch
+
     def solve(self, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
         """By ``Optimizer/Iterations`` and ``Optimizer/Epsilon``."""
-        return _checked(gtsam.GaussNewtonOptimizer(factors.graph(), start), factors, start, params)
+        return _checked(gtsam.GaussNewtonOptimizer(factors.graph(), start), factors, start, params, self._watch)
 
 
 class Dogleg:
     """Steps within a trust region; where none leads down Levenberg-Marquardt takes over."""
 
+    def __init__(self, watch: Watch = _unwatched) -> None:
+        self._watch = watch
+
     def solve(self, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
         """By ``Optimizer/Iterations`` and ``Optimizer/Epsilon``."""
-        return _checked(gtsam.DoglegOptimizer(factors.graph(), start), factors, start, params)
+        return _checked(gtsam.DoglegOptimizer(factors.graph(), start), factors, start, params, self._watch)
 
 
 class GraduatedNonConvexity:
@@ -131,11 +149,11 @@ def _reweighed(
         raise unsolvable(factors, error) from error
 
 
-def batch_solver(params: Params) -> Solver:
-    """The solver of a whole problem that ``GTSAM/Optimizer`` and the kernel ask for."""
+def batch_solver(params: Params, watch: Watch = _unwatched) -> Solver:
+    """The solver of a whole problem that ``GTSAM/Optimizer`` and the kernel ask for; GNC has no steps to watch."""
     if choose_kernel(params) is Kernel.GNC:
         return GraduatedNonConvexity()
-    return (LevenbergMarquardt(), GaussNewton(), Dogleg())[params.GTSAM.Optimizer]
+    return (LevenbergMarquardt, GaussNewton, Dogleg)[params.GTSAM.Optimizer](watch)
 
 
 def cost(graph: gtsam.NonlinearFactorGraph, at: gtsam.Values) -> float:
@@ -183,16 +201,18 @@ def unsolvable(factors: Factors, error: RuntimeError) -> OptimizationError:
     return OptimizationError(f"GTSAM can't solve {len(factors.factors) - 1} links: {str(error).strip()}")
 
 
-def _checked(solver: gtsam.NonlinearOptimizer, factors: Factors, start: gtsam.Values, params: Params) -> Solution:
+def _checked(
+    solver: gtsam.NonlinearOptimizer, factors: Factors, start: gtsam.Values, params: Params, watch: Watch
+) -> Solution:
     """For solvers that may go uphill, which happens far from the minimum, as after a false loop was taken out."""
-    found = _descend(solver, factors, params)
+    found = _descend(solver, factors, params, watch)
     if not found.uphill and went_down(factors.graph(), start, found):
         return found
-    rest = LevenbergMarquardt().solve(factors, found.values, params)
+    rest = LevenbergMarquardt(watch).solve(factors, found.values, params)
     return replace(rest, before=found.before, iterations=found.iterations + rest.iterations, fallback=True)
 
 
-def _descend(solver: gtsam.NonlinearOptimizer, factors: Factors, params: Params) -> Solution:
+def _descend(solver: gtsam.NonlinearOptimizer, factors: Factors, params: Params, watch: Watch) -> Solution:
     """Iterates until the error falls no more, or would not with the next step, or rises."""
     before = error = float(solver.error())
     # GTSAM lends its values only until the next step.
@@ -204,6 +224,7 @@ def _descend(solver: gtsam.NonlinearOptimizer, factors: Factors, params: Params)
             if not decrease > 0.0:
                 break
             error, values = error - decrease, gtsam.Values(solver.values())
+            watch(values, 2.0 * error)
             if _is_last(solver, last, decrease, max(params.Optimizer.Epsilon * error, _ROUNDING)):
                 break
     except RuntimeError as failure:

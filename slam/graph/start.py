@@ -62,7 +62,7 @@ class Starts:
     def _poses(self, ids: NDArray[np.int64], T: Array, space: Space) -> gtsam.Values:
         if space is not SPATIAL:
             return _filled(gtsam.Values(), ids, T, space)
-        for known in self._known:
+        for known in tuple(self._known):
             rows = np.searchsorted(ids, known.ids)
             if rows[-1] >= len(ids) or not np.array_equal(ids[rows], known.ids):
                 continue

@@ -46,6 +46,13 @@ class GlobalGrid:
     def __len__(self) -> int:
         return len(self._placed)
 
+    def copy(self) -> GlobalGrid:
+        """A grid of its own with the same cells; the local grids are shared, as nobody changes them."""
+        other = GlobalGrid(self.params)
+        other._placed, other._origin = dict(self._placed), self._origin
+        other._odds, other._last = self._odds.copy(), self._last.copy()
+        return other
+
     def add(self, node_id: int, local: LocalGrid, T_map_base: Pose) -> None:
         """Take in a node's local grid at its pose; cheap. A node that is there already is replaced, which is not."""
         known = node_id in self._placed

@@ -37,6 +37,7 @@ def test_the_past_is_walked_through_and_its_link_reopens_it(library: Served, ope
     at = shown(page)
     expect(page).to_have_url(re.compile(rf"/nodes\?at={at}$"))
     until(page, _SCENE, at)
+    expect(page.locator(".timeline-shown")).to_contain_text("poses of then")
     page.keyboard.press("Escape")
     page.get_by_role("link", name="Stats").click()
     expect(page).to_have_url(re.compile(rf"/stats\?at={at}$"))
@@ -59,3 +60,21 @@ def test_it_plays_to_now(library: Served, open_page: OpenPage) -> None:
     expect(page.get_by_role("button", name="Pause (P)")).to_be_visible()
     expect(page.locator(".timeline-shown")).to_contain_text("now")
     expect(page.get_by_role("button", name="Play (P)")).to_be_visible()
+
+
+def test_the_graph_is_optimised_on_trial_and_its_links_hide(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/graph")
+    page.get_by_label("Count Global loop links").uncheck()
+    page.get_by_role("button", name="Optimise", exact=True).click()
+    expect(page.get_by_role("table", name="Before and after")).to_contain_text("χ²")
+    scene = "async () => (await (await fetch('api/scene/flat?viewer=' + sessionStorage['slamdeck.viewer'])).json())"
+    until(page, f"async () => (await ({scene})()).optimised?.ask.without[0] === 'GlobalClosure'")
+    page.get_by_label("Show Global loop links").uncheck()
+    until(page, f"async () => (await ({scene})()).hidden_links[0] === 'loop'")
+    page.get_by_label("Show Global loop links").check()
+    page.get_by_role("button", name="Clear").click()
+    until(
+        page,
+        f"async () => {{ const now = await ({scene})(); return now.optimised === null && !now.hidden_links.length }}",
+    )
+    expect(page.get_by_role("region", name="Components")).to_contain_text("hang together")

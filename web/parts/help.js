@@ -5,7 +5,7 @@ import { h, html } from "../html.js";
 import { Button } from "./button.js";
 
 const KEYS = /** @type {[string, [string, string][]][]} */ ([
-  ["Page", [["Ctrl K", "search or command"], ["1 … 5", "maps, nodes, loops, params, stats"], ["T", "light or dark"], ["?", "this list"]]],
+  ["Page", [["Ctrl K", "search or command"], ["1 … 6", "maps, nodes, loops, params, stats, graph"], ["T", "light or dark"], ["?", "this list"]]],
   ["Run", [["Space", "pause or resume"], [".", "one frame"]]],
   ["Loops", [["J / K", "next, previous"], ["A", "approve"], ["R", "reject"], ["U", "undo the last decision"], ["⇧ U", "redo it"], ["E", "larger images"]]],
   ["Two nodes", [["J / K", "next, previous of A"], ["⇧ J / ⇧ K", "of B"], ["X", "change places"]]],

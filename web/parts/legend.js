@@ -4,6 +4,7 @@ import * as text from "../format.js";
 import { after } from "../moment.js";
 import { moment } from "../router.js";
 import { columns, info, scene } from "../store.js";
+import { endOf, labelOf, shownScale } from "./colouring.js";
 
 /** @typedef {{token: string, label: string, kind?: "dot" | "line" | "dash"}} Entry */
 
@@ -11,16 +12,18 @@ export const STM = "Memory/Short_time_memory_size/";
 export const WM = "Memory/Working_memory_size/";
 export const LTM = "Memory/Long_term_memory_size/";
 
-const LOOPS = /** @type {[string, string, string][]} */ ([
-  ["GlobalClosure", "loop", "loop"],
-  ["LocalSpaceClosure", "near", "proximity"],
-  ["UserClosure", "hand", "by hand"],
+/** Type as it is stored, colour, label, class. */
+const LOOPS = /** @type {[string, string, string, import("./link_classes.js").LinkClass][]} */ ([
+  ["GlobalClosure", "loop", "loop", "loop"],
+  ["LocalSpaceClosure", "near", "proximity", "proximity"],
+  ["LocalTimeClosure", "time", "proximity in time", "time"],
+  ["UserClosure", "hand", "by hand", "user"],
 ]);
 
 export function Legend() {
   const now = scene.value;
   if (!now) return null;
-  const entries = [...(now.layers.graph ? graphEntries(now.colour) : []), ...pathEntries(now.layers), ...ghostEntries(now)];
+  const entries = [...(now.layers.graph ? graphEntries(now) : []), ...pathEntries(now.layers), ...ghostEntries(now)];
   if (!entries.length) return null;
   return html`<ul class="legend" aria-label="Legend">
     ${entries.map(
@@ -30,11 +33,11 @@ export function Legend() {
   </ul>`;
 }
 
-/** @param {string} colour @returns {Entry[]} */
-function graphEntries(colour) {
+/** @param {import("../store.js").Schemas["Scene"]} now @returns {Entry[]} */
+function graphEntries({ colour, hidden_links: hidden = [] }) {
   const nodes = colour === "memory" ? memoryEntries() : rampEntries(colour);
-  const loops = LOOPS.flatMap(([type, token, label]) => loopEntry(type, token, label));
-  return [...nodes, ...loops, { token: "refused", label: "refused", kind: "dash" }];
+  const loops = LOOPS.filter(([, , , kind]) => !hidden.includes(kind)).flatMap(([type, token, label]) => loopEntry(type, token, label));
+  return [...nodes, ...loops, ...(hidden.includes("refused") ? [] : [/** @type {Entry} */ ({ token: "refused", label: "refused", kind: "dash" })])];
 }
 
 /** @param {string} type @param {string} token @param {string} label @returns {Entry[]} */
@@ -66,6 +69,15 @@ function shown(name) {
 
 /** @param {string} colour @returns {Entry[]} */
 function rampEntries(colour) {
+  const scale = shownScale.value;
+  if (scale !== null && scale.name === colour) {
+    return [
+      { token: "low", label: `${labelOf(colour)} ${endOf(scale, scale.low)}` },
+      { token: "high", label: endOf(scale, scale.high) },
+      ...(scale.known < (info.value?.nodes ?? 0) ? [/** @type {Entry} */ ({ token: "refused", label: "not known" })] : []),
+    ];
+  }
+  if (colour !== "time" && colour !== "weight" && colour !== "session") return [];
   if (colour === "session") return [{ token: "wm", label: "one colour per session" }];
   return [
     { token: "low", label: colour === "time" ? "oldest" : "lightest" },
@@ -74,9 +86,11 @@ function rampEntries(colour) {
 }
 
 /** @param {import("../store.js").Schemas["Scene"]} now @returns {Entry[]} */
-function ghostEntries({ layers, what_if: threshold, trial }) {
-  if ((threshold === null && trial === null) || !layers.graph) return [];
+function ghostEntries({ layers, what_if: threshold, trial, optimised, at }) {
+  const tried = optimised && layers.graph && at === null ? [/** @type {Entry} */ ({ token: "coming", label: "optimised on trial", kind: "dash" })] : [];
+  if ((threshold === null && trial === null) || !layers.graph) return tried;
   return [
+    ...tried,
     { token: "coming", label: threshold === null ? `by trial ${trial}` : `at LoopThr ${text.short(threshold)}`, kind: "dash" },
     { token: "going", label: "would go", kind: "line" },
   ];

@@ -10,6 +10,7 @@ export const ENTRIES = [
   { view: "loops", label: "Loops", keys: "3" },
   { view: "params", label: "Params", keys: "4" },
   { view: "stats", label: "Stats", keys: "5" },
+  { view: "graph", label: "Graph", keys: "6" },
 ];
 
 export function Rail() {

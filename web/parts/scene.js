@@ -1,13 +1,12 @@
 // The 3D view: an iframe that stays while views come and go, layer chips above it, a legend below.
-import { useEffect } from "preact/hooks";
 import { h, html } from "../html.js";
 import { setScene } from "../actions.js";
 import { draft } from "../draft.js";
 import * as text from "../format.js";
-import { openMapId } from "../router.js";
+import { openMapId, route } from "../router.js";
 import { info, scene } from "../store.js";
-import { theme } from "../theme.js";
 import { Chip } from "./button.js";
+import { Colouring } from "./colouring.js";
 import { Legend } from "./legend.js";
 import { SceneFrame } from "./scene_frame.js";
 
@@ -22,16 +21,13 @@ const LAYERS = [
   { layer: "odometry", label: "Odometry", hint: "The path before optimisation" },
   { layer: "truth", label: "Truth", hint: "The true path, where the source knows it" },
 ];
-const COLOURS = ["memory", "session", "time", "weight"];
 
 export function SceneView() {
   const map = openMapId.value;
-  const other = scene.value && scene.value.dark !== (theme.value === "dark");
-  useEffect(() => void (other && setScene({ dark: theme.value === "dark" })), [map, other, theme.value]);
   if (!map) return null;
   return html`<section class="scene" aria-label="3D view">
     ${h(SceneFrame, { key: map, map })}
-    <div class="scene-bar" role="toolbar" aria-label="Layers">${h(LayerChips, {})}</div>
+    <div class="scene-bar" role="toolbar" aria-label="Layers">${h(LayerChips, { map })}</div>
     ${h(Legend, {})}
   </section>`;
 }
@@ -45,7 +41,14 @@ function ghostChip(now) {
   return h(Chip, { label: `What if ${text.short(now.what_if)} ×`, hint: "Ghosts of another LoopThr are shown; click to hide them", on: true, onChange: () => void setScene({ what_if: null }) });
 }
 
-function LayerChips() {
+/** The path of an optimisation stays until it is put away. @param {import("../store.js").Schemas["Scene"] | null} now */
+function trialChip(now) {
+  if (!now?.optimised || route.value.view === "graph") return null;
+  return h(Chip, { label: "Optimised on trial ×", hint: "The dashed path of an optimisation on trial is shown; click to hide it", on: true, onChange: () => void setScene({ optimised: null }) });
+}
+
+/** @param {{map: string}} props */
+function LayerChips({ map }) {
   const now = scene.value;
   const noTruth = info.value !== null && !info.value.has_truth;
   return html`${LAYERS.filter(({ layer }) => layer !== "model" || info.value?.has_model).map(({ layer, label, hint }) =>
@@ -58,16 +61,6 @@ function LayerChips() {
         onChange: (on) => void setScene({ layers: { [layer]: on } }),
       }),
     )}
-    ${ghostChip(now)}
-    <label class="chip chip-select">
-      Colour
-      <select
-        disabled=${!now}
-        value=${now?.colour ?? "memory"}
-        onChange=${(/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) =>
-          void setScene({ colour: /** @type {"memory"} */ (currentTarget.value) })}
-      >
-        ${COLOURS.map((name) => html`<option key=${name} value=${name}>${name}</option>`)}
-      </select>
-    </label>`;
+    ${ghostChip(now)} ${trialChip(now)}
+    ${h(Colouring, { key: map, map })}`;
 }

@@ -7,11 +7,18 @@ import { KINDS, SPEEDS, events, goToRow, jump, kind, load, now, pause, playing, 
 import { Button } from "./button.js";
 import { EventList } from "./event_list.js";
 import { Icon } from "./icons.js";
+import { scene } from "../store.js";
 import { color, theme } from "../theme.js";
 
 /** @typedef {import("../moment.js").Updates} Updates */
 
-const HINT = "Nodes stand where they are today, the robot where it was thought to be then; the grid and decisions of people are today's.";
+const HINT = "Nodes, loops, memories, grid and clouds as they were then. What people decided is today's.";
+const PLACINGS = {
+  then: "poses of then",
+  soon: "poses of today",
+  now: "poses of today",
+};
+const SOON = "The graph of then is optimised as soon as you stay at one update.";
 const NO_MEMORY = " This file does not say which node was in which memory, so these colours are today's.";
 
 export function TimelineBar() {
@@ -78,8 +85,17 @@ function Shown({ updates }) {
   return html`<output class="timeline-shown" title=${HINT + (updates.memory ? "" : NO_MEMORY)}>
     <a href=${link({ view: "nodes", key: node })}>node ${node}</a>
     <span class="quiet">${text.fixed(updates.stamps[at] - updates.stamps[0], 1)} s</span>
+    ${h(Placing, {})}
     ${h(Icon, { name: "info" })}
   </output>`;
+}
+
+/** Where the nodes of the 3D view stand. */
+function Placing() {
+  const now = scene.value;
+  if (!now || now.at === null || now.at !== moment.value) return null;
+  const why = now.placing === "soon" ? SOON : now.placing_note;
+  return html`<span class=${now.placing === "then" ? "quiet" : "ink-warn"} title=${why}>${PLACINGS[now.placing]}</span>`;
 }
 
 /** @param {Updates | null} updates */

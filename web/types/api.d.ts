@@ -44,6 +44,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/components": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Components
+         * @description What links join, and what was refused between it and the rest.
+         */
+        get: operations["list_components"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/decisions": {
         parameters: {
             query?: never;
@@ -308,6 +328,46 @@ export interface paths {
          * @description Every loop that is in the graph, was refused, or was decided about.
          */
         get: operations["list_loops"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/node-values": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Value Names
+         * @description What nodes can be coloured by.
+         */
+        get: operations["list_value_names"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/node-values/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Values
+         * @description One of them: its range, and the value of each node.
+         */
+        get: operations["get_node_values"];
         put?: never;
         post?: never;
         delete?: never;
@@ -848,6 +908,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/what-if/optimise": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Optimise Graph
+         * @description Optimise the graph otherwise; nothing is stored.
+         */
+        post: operations["optimise_graph"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/scene/{map}": {
         parameters: {
             query?: never;
@@ -940,6 +1020,23 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * BestGuess
+         * @description The strongest hypothesis that a node of one component was a place of another one.
+         */
+        BestGuess: {
+            /** Node */
+            node: number;
+            /** Place */
+            place: number;
+            /**
+             * Threshold
+             * @description ``Rtabmap/LoopThr``: below it nothing is tried.
+             */
+            threshold: number;
+            /** Value */
+            value: number;
+        };
         /**
          * CameraModel
          * @description A rectified pinhole camera, in pixels.
@@ -1044,6 +1141,48 @@ export interface components {
              * @description Least and greatest distance that the scanner measures, where the file says so.
              */
             scanner_range_m: number[] | null;
+        };
+        /**
+         * Component
+         * @description Nodes that links or landmarks join.
+         */
+        Component: {
+            /** @description Where nothing was tried: what came nearest to it. */
+            guess: components["schemas"]["BestGuess"] | null;
+            /**
+             * Id
+             * @description Its oldest node.
+             */
+            id: number;
+            /**
+             * Near Misses
+             * @description The best of them.
+             */
+            near_misses: components["schemas"]["NearMiss"][];
+            /** Newest */
+            newest: number;
+            /** Nodes */
+            nodes: number;
+            /** Sessions */
+            sessions: number[];
+            /**
+             * Tried
+             * @description Loops with other components that were looked at and refused.
+             */
+            tried: number;
+        };
+        /**
+         * Components
+         * @description The components of a map, the largest first.
+         */
+        Components: {
+            /** Components */
+            components: components["schemas"]["Component"][];
+            /**
+             * Count
+             * @description Of all; no more than a hundred are listed.
+             */
+            count: number;
         };
         /**
          * Covariances
@@ -1346,6 +1485,21 @@ export interface components {
             nodes: components["schemas"]["NodeColumns"];
             /** Revision */
             revision: number;
+        };
+        /**
+         * GraphState
+         * @description A graph at some poses.
+         */
+        GraphState: {
+            /** Ate M */
+            ate_m: number | null;
+            /** Chi2 */
+            chi2: number;
+            /**
+             * Path M
+             * @description Length of the path through the nodes, metres.
+             */
+            path_m: number;
         };
         /**
          * GridFacts
@@ -2148,6 +2302,35 @@ export interface components {
             maps: components["schemas"]["MapSummary"][];
         };
         /**
+         * NearMiss
+         * @description A loop that would have joined two components, and why it did not.
+         */
+        NearMiss: {
+            /**
+             * Component
+             * @description The other one.
+             */
+            component: number;
+            /** From */
+            from: number;
+            /** Inliers */
+            inliers: number | null;
+            /** Matches */
+            matches: number | null;
+            /** Posterior */
+            posterior: number | null;
+            reason: components["schemas"]["LoopReason"] | null;
+            /**
+             * Removed
+             * @description It was in the graph once and was taken out.
+             */
+            removed: boolean;
+            /** To */
+            to: number;
+            /** Type */
+            type: string;
+        };
+        /**
          * NodeColumns
          * @description Nodes; entry i of each list is the same node.
          */
@@ -2481,6 +2664,111 @@ export interface components {
             velocity: number[] | null;
         };
         /**
+         * NodeValues
+         * @description One number for each node, as a scale of colours.
+         */
+        NodeValues: {
+            /**
+             * High
+             * @description The 2nd and the 98th percentile: the ends of the scale.
+             */
+            high: number;
+            /**
+             * Known
+             * @description Nodes that have one; the others are grey.
+             */
+            known: number;
+            /** Low */
+            low: number;
+            /** Name */
+            name: string;
+            /** Unit */
+            unit: string;
+        };
+        /**
+         * OptimiseAsk
+         * @description How to optimise the graph.
+         */
+        OptimiseAsk: {
+            /**
+             * Align
+             * @description Lay the result over the true path.
+             * @default false
+             */
+            align: boolean;
+            /**
+             * Kernel
+             * @description Instead of ``Optimizer/Robust`` and its kernel.
+             */
+            kernel?: ("none" | "DCS" | "Cauchy" | "GNC") | null;
+            /**
+             * Root
+             * @description The node held fixed; null for the one that the parameters choose.
+             */
+            root?: number | null;
+            /**
+             * Solver
+             * @description Instead of ``GTSAM/Optimizer``: Levenberg-Marquardt, Gauss-Newton, Dogleg.
+             */
+            solver?: number | null;
+            /**
+             * Start
+             * @description Where it begins: poses put together along the links from the root, or those of the map.
+             * @default odometry
+             * @enum {string}
+             */
+            start: "odometry" | "map";
+            /**
+             * Without
+             * @description Types of links that do not count, ``GlobalClosure`` or ``Landmark`` say.
+             */
+            without?: string[];
+        };
+        /**
+         * Optimised
+         * @description What came of it.
+         */
+        Optimised: {
+            /**
+             * Dropped
+             * @description Nodes that nothing joins with the root then.
+             */
+            dropped: number;
+            /**
+             * Fallback
+             * @description Whether the solver asked for found no way and another one did.
+             */
+            fallback: boolean;
+            /**
+             * Links
+             * @description That counted, with priors, gravity and sightings.
+             */
+            links: number;
+            /**
+             * Max Shift M
+             * @description From the map's poses to the last step's.
+             */
+            max_shift_m: number;
+            /** Nodes */
+            nodes: number;
+            /** @description The same links at the poses of the map. */
+            now: components["schemas"]["GraphState"];
+            /**
+             * Outliers
+             * @description Loops that the kernel took the weight from.
+             */
+            outliers: number[][];
+            /** Root */
+            root: number;
+            /** Seconds */
+            seconds: number;
+            /**
+             * Steps
+             * @description The start and each iteration; those of GNC are start and end.
+             */
+            steps: components["schemas"]["GraphState"][];
+        };
+        /**
          * Outcome
          * @description What would become of a hypothesis.
          * @enum {string}
@@ -2718,27 +3006,49 @@ export interface components {
              * @description The node of the update that is shown; null for the map as it is now.
              */
             at?: number | null;
-            /**
-             * Colour
-             * @enum {string}
-             */
-            colour: "memory" | "session" | "time" | "weight";
+            /** Colour */
+            colour: string;
             /**
              * Dark
              * @default true
              */
             dark: boolean;
+            /** Hidden Links */
+            hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[];
+            /** Hidden Sessions */
+            hidden_sessions?: number[];
             layers: components["schemas"]["SceneLayers"];
             /**
              * Node Parts
              * @description What is shown of the selected node close up.
              */
             node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[];
+            /** @description An optimisation whose path is shown dashed beside the map's. */
+            optimised?: components["schemas"]["ShownOptimisation"] | null;
             /**
              * Overlay
              * @description The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds.
              */
             overlay?: ("link" | "poses") | null;
+            /**
+             * Placing
+             * @description Of a moment: whether its poses are those of then.
+             * @default now
+             * @enum {string}
+             */
+            placing: "now" | "then" | "soon";
+            /**
+             * Placing Note
+             * @description Why there are none of then.
+             * @default
+             */
+            placing_note: string;
+            /**
+             * Revision
+             * @description Grows with each change, and from one server to the next.
+             * @default 0
+             */
+            revision: number;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */
@@ -2764,12 +3074,17 @@ export interface components {
             /** At */
             at?: number | null;
             /** Colour */
-            colour?: ("memory" | "session" | "time" | "weight") | null;
+            colour?: string | null;
             /** Dark */
             dark?: boolean | null;
+            /** Hidden Links */
+            hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[] | null;
+            /** Hidden Sessions */
+            hidden_sessions?: number[] | null;
             layers?: components["schemas"]["LayerChange"] | null;
             /** Node Parts */
             node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[] | null;
+            optimised?: components["schemas"]["ShownOptimisation"] | null;
             /** Overlay */
             overlay?: ("link" | "poses") | null;
             /** Selected Link */
@@ -2927,6 +3242,15 @@ export interface components {
              * @description Different words that both have.
              */
             words: number;
+        };
+        /**
+         * ShownOptimisation
+         * @description An optimisation whose path is shown beside the map's.
+         */
+        ShownOptimisation: {
+            ask: components["schemas"]["OptimiseAsk"];
+            /** Step */
+            step: number;
         };
         /**
          * Size
@@ -3304,6 +3628,17 @@ export interface components {
             type: string;
         };
         /**
+         * ValueNames
+         * @description What nodes can be coloured by beside memory, session, time and weight.
+         */
+        ValueNames: {
+            /**
+             * Names
+             * @description ``loops``, ``residual``, ``altitude``, ``sensor:NAME``, ``stat:NAME``.
+             */
+            names: string[];
+        };
+        /**
          * Vector
          * @description A descriptor of the whole image.
          */
@@ -3463,6 +3798,74 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["MapInfo"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_components: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Components"];
                 };
             };
             /** @description No token. */
@@ -4580,6 +4983,143 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Loops"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_value_names: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ValueNames"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_values: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodeValues"];
                 };
             };
             /** @description No token. */
@@ -6631,6 +7171,78 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LoopWhatIf"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    optimise_graph: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["OptimiseAsk"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Optimised"];
                 };
             };
             /** @description No token. */

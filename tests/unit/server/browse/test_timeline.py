@@ -84,6 +84,9 @@ def test_moves_are_what_lies_between_the_states_of_rtabmap(shared_data: Path, tm
         assert {i for i, tier in tiers.items() if tier is not Tier.LTM} == set(state.tolist())
         assert sum(tier is Tier.STM for tier in tiers.values()) == sizes[at]
     assert timeline.moment(45).best_id == 31
+    measured = timeline.statistics.values
+    rejected = int((measured["Loop/RejectedHypothesis/"] * measured["Loop/Highest_hypothesis_id/"] > 0).sum())
+    assert [one.kind for one in updates(timeline).events].count("refused") == rejected
 
 
 def test_states_are_read_in_pieces_to_the_same_moves(

@@ -62,7 +62,18 @@ def test_an_image_is_made_only_when_it_is_seen_and_has_changed(viewer: Any, sent
     assert sent.take() == []
     for grid, look in ((same, LIGHT), (OccupancyGrid(GRID.cells[:1], -1.0, -0.5, 0.5), LIGHT)):
         layer.draw_grid(grid, look, visible=True)
-        assert ("Image", "/grid") in sent.take()
+        assert {name for _, name in sent.take()} >= {"/grid"}
+
+
+def test_an_image_that_changes_fast_is_drawn_sharp_when_it_stays(viewer: Any, sent: Sent) -> None:
+    layer = FloorLayer(viewer.scene)
+    layer.draw_grid(GRID, DARK, visible=True, sharp=False)
+    coarse = len(viewer.scene.get_handle_by_name("/grid").image)
+    layer.draw_grid(GRID, DARK, visible=True)
+    assert len(viewer.scene.get_handle_by_name("/grid").image) > 2 * coarse
+    sent.take()
+    layer.draw_grid(GRID, DARK, visible=True, sharp=False)
+    assert sent.take() == []
 
 
 def test_the_ground_does_not_tremble(viewer: Any, sent: Sent) -> None:

@@ -21,7 +21,7 @@ from server.catalog import MapFile
 from server.hub import Hub
 from server.scene.scene import MapScene
 from server.scene.scenes import Scenes
-from server.schemas.scene import SceneChange
+from server.schemas.scene import Scene, SceneChange
 from slam.database import MapWriter
 from tests.unit.server.scene.conftest import Sent
 from tests.unit.server.scene.room_map import LAP, NODES, true_pose, write_room_map
@@ -228,6 +228,39 @@ def test_a_moment_of_the_past_hides_what_came_later_and_sends_no_cloud(watched: 
     kinds = {kind for kind, _ in sent.take()}
     assert "PointCloud" not in kinds
     assert not any("Camera" in kind and "Frustum" not in kind for kind in kinds), "nobody moves the camera"
+
+
+def test_the_page_is_told_which_moment_is_shown_and_where_its_nodes_stand(room_map: Path) -> None:
+    told: list[Scene] = []
+    scene = MapScene(MapView(MapFile("room", "room", room_map)), lambda _kind, _ids: None, on_state=told.append)
+    try:
+        scene.change(SceneChange(at=14))
+        until(lambda: any(one.placing == "then" for one in told))
+        assert {one.at for one in told} == {14}
+        scene.change(SceneChange(at=None))
+        last = max(told, key=lambda one: one.revision)
+        assert (last.at, last.placing) == (None, "now")
+        assert len({one.revision for one in told}) == len(told)
+    finally:
+        scene.close()
+
+
+def test_classes_of_links_sessions_and_a_trial_show_and_hide(watched: Watched) -> None:
+    watched.change(hidden_links=["user", "refused"])
+    watched.wait()
+    assert watched.handle("/graph/user/0") is None
+    assert len(watched.handle("/graph/loop/0").points) > 0
+    watched.change(hidden_links=[], optimised={"ask": {"start": "map"}, "step": 99})
+    watched.wait()
+    assert len(watched.handle("/optimised/path/0").points) > 0
+    watched.change(optimised=None, hidden_sessions=[0], colour="loops")
+    watched.wait()
+    assert watched.handle("/optimised/path/0") is None
+    assert watched.handle("/graph/nodes/0") is None
+    assert not watched.handle("/cloud/1").visible
+    watched.change(hidden_sessions=[])
+    watched.wait()
+    assert len(watched.handle("/graph/nodes/0").batched_positions) == NODES
 
 
 def test_a_live_pose_moves_the_newest_camera_between_nodes(watched: Watched) -> None:

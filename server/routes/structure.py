@@ -1,0 +1,36 @@
+"""How a map's graph hangs together, and how else it could be optimised."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from server.browse.node_values import node_values, value_names
+from server.browse.pieces import component_list
+from server.routes.access import ViewDep
+from server.schemas import Components, NodeValues, OptimiseAsk, Optimised, ValueNames
+
+router = APIRouter(prefix="/api/maps/{map}", tags=["graph"])
+
+
+@router.get("/components")
+def list_components(view: ViewDep) -> Components:
+    """What links join, and what was refused between it and the rest."""
+    return component_list(view)
+
+
+@router.post("/what-if/optimise")
+def optimise_graph(view: ViewDep, ask: OptimiseAsk) -> Optimised:
+    """Optimise the graph otherwise; nothing is stored."""
+    return view.optimisations.course(view.snapshot(), ask).told
+
+
+@router.get("/node-values")
+def list_value_names(view: ViewDep) -> ValueNames:
+    """What nodes can be coloured by."""
+    return value_names(view)
+
+
+@router.get("/node-values/{name:path}")
+def get_node_values(view: ViewDep, name: str) -> NodeValues:
+    """One of them: its range, and the value of each node."""
+    return node_values(view, name)
