@@ -55,7 +55,7 @@ def _suspect(snapshot: Snapshot, pair: Pair) -> list[str]:
     if found.compared:
         parts.append(f"{found.agreeing} of {found.compared} loops near by agree with it")
     if math.isfinite(found.residual):
-        parts.append(f"the optimised graph is {found.residual:.1f} sigma from it")
+        parts.append(f"the map without the worst loops is {found.residual:.1f} sigma from it")
     return [f"Suspect: {', '.join(parts)}."]
 
 

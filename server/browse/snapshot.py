@@ -116,8 +116,12 @@ class Snapshot:
     @cached_property
     def links(self) -> dict[Pair, Link]:
         """Links between two nodes of the map, by both ids, smaller first."""
-        found = self.all_links
-        return {link.pair: link for link in found if link.from_id != link.to_id and set(link.pair) <= self.rows.keys()}
+        rows = self.rows
+        return {
+            link.pair: link
+            for link in self.all_links
+            if link.from_id != link.to_id and link.from_id in rows and link.to_id in rows
+        }
 
     @cached_property
     def constraints(self) -> list[Link]:
@@ -169,7 +173,7 @@ class Snapshot:
             link = row.candidate.link
             if link is not None and pair not in graph.links and graph.has(*pair):
                 loops[pair] = link
-        return suspicions(graph, list(loops.values()), self.params.RGBD.OptimizeMaxError)
+        return suspicions(graph, list(loops.values()), self.params)
 
     def look_alike(self, pair: Pair) -> LookAlike | None:
         """The place elsewhere that rivals the one which a hypothesis leads to; None for loops of another kind."""

@@ -190,6 +190,12 @@ def stack_informations(blobs: Sequence[bytes | None]) -> NDArray[np.float64]:
     return np.array(numbers, dtype=np.float64).reshape(-1, 6, 6)
 
 
+def sound_informations(stack: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which (N,) of matrices (N, 6, 6) RTAB-Map would load."""
+    positive = (np.diagonal(stack, axis1=1, axis2=2) > 0).all(axis=1)
+    return np.logical_and(positive, (np.abs(stack) < _MOST_INFORMATION).all(axis=(1, 2)))
+
+
 def check_information(information: NDArray[np.float64]) -> None:
     """Refuse a matrix (6, 6) that RTAB-Map would not load; DatabaseError with the entry that is wrong."""
     diagonal = information.diagonal()

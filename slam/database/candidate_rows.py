@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from sqlalchemy import Connection, select
 
-from slam.database.blobs import pack_pose, unpack_information, unpack_pose
+from slam.database.blobs import pack_pose, unpack_information, unpack_poses
 from slam.database.deck_tables import candidate
 from slam.database.deck_values import CandidateRow, LoopState
 from slam.database.faults import Faults, each_sound, link_type_of, node_id_of, number_of, text_of, whole_of
 from slam.database.insertion import insert_rows
 from slam.database.journal_rows import read_standing
+from slam.geometry import Pose
 from slam.types import Candidate, Refusal
 
 _COLUMNS = tuple(c for c in candidate.c.keys() if c != "id")  # noqa: SIM118 (columns, not a dictionary)
@@ -32,7 +33,9 @@ def read_candidates(connection: Connection, after: int, faults: Faults | None = 
     """
     decided = {entry.pair: _DECIDED[entry.action] for entry in read_standing(connection, faults)}
     rows = connection.execute(select(candidate).where(candidate.c.id > after).order_by(candidate.c.id))
-    return list(each_sound(candidate.name, rows, lambda row: _candidate_row(row, decided), faults))
+    found = rows.all()
+    poses = zip((row.id for row in found), found, unpack_poses([row.transform for row in found]), strict=True)
+    return list(each_sound(candidate.name, poses, lambda item: _candidate_row(item[1], item[2], decided), faults))
 
 
 def _row(update_id: int, item: Candidate) -> tuple[Any, ...]:
@@ -52,7 +55,7 @@ def _row(update_id: int, item: Candidate) -> tuple[Any, ...]:
     )
 
 
-def _candidate_row(row: Any, decided: dict[tuple[int, int], LoopState]) -> CandidateRow:
+def _candidate_row(row: Any, T_from_to: Pose | None, decided: dict[tuple[int, int], LoopState]) -> CandidateRow:
     refusal = None
     if row.refusal_test is not None:
         value, threshold = (np.nan if v is None else float(v) for v in (row.refusal_value, row.refusal_threshold))
@@ -64,7 +67,7 @@ def _candidate_row(row: Any, decided: dict[tuple[int, int], LoopState]) -> Candi
         posterior=np.nan if row.posterior is None else number_of(row.posterior, "posterior"),
         matches=whole_of(row.matches, "matches"),
         inliers=whole_of(row.inliers, "inliers"),
-        T_from_to=unpack_pose(row.transform),
+        T_from_to=T_from_to,
         information=None if row.information is None else unpack_information(row.information),
         refusal=refusal,
     )

@@ -13,6 +13,7 @@ Made = TypeVar("Made")
 #: Characters of a row's name and of a reason: both may quote what the file holds.
 _NAME, _REASON = 40, 300
 _LARGEST_ID = 2**31 - 1
+_LINK_TYPES = {int(kind): kind for kind in LinkType}
 _SMALLEST_CELL_M, _LARGEST_CELL_M = 1e-3, 100.0
 
 
@@ -95,9 +96,10 @@ def cell_size_of(value: object, name: str) -> float:
 
 def link_type_of(value: object) -> LinkType:
     """The value of a column as the type of a link; DatabaseError when RTAB-Map has none of that number."""
-    if not isinstance(value, int) or value not in LinkType.__members__.values():
+    kind = _LINK_TYPES.get(value) if isinstance(value, int) else None
+    if kind is None:
         raise DatabaseError(f"its type is {_quoted(value)}, which RTAB-Map does not know")
-    return LinkType(value)
+    return kind
 
 
 def text_of(value: object, name: str) -> str:

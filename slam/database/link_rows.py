@@ -17,6 +17,7 @@ from slam.database.blobs import (
     check_information,
     pack_information,
     pack_transform,
+    sound_informations,
     stack_informations,
     stack_transforms,
     unpack_matrix,
@@ -87,7 +88,9 @@ def read_links(connection: Connection, faults: Faults | None = None) -> list[Lin
     query = select(link.c.from_id, link.c.to_id, link.c.type, link.c.information_matrix, link.c.transform)
     rows = list(each_sound("Link", connection.execute(query.order_by(text("rowid"))), _columns, faults, columns=2))
     ids, informations, transforms = zip(*rows, strict=True) if rows else ((),) * 3
-    matrices = zip(ids, stack_informations(informations), stack_transforms(transforms), transforms, strict=True)
+    stack, poses = stack_informations(informations), stack_transforms(transforms)
+    sound, known = sound_informations(stack).tolist(), np.isfinite(poses[:, 0, 0]).tolist()
+    matrices = zip(ids, stack, sound, poses, known, transforms, strict=True)
     found: dict[tuple[int, int, bool], Link] = {}
     for item in each_sound("Link", ((*row[0][:2], row) for row in matrices), _link, faults, columns=2):
         # A node may have a prior and gravity, both links to itself.
@@ -147,9 +150,9 @@ def _columns(row: Any) -> tuple[tuple[int, int, LinkType], bytes | None, bytes |
 
 
 def _link(named: tuple[Any, ...]) -> Link:
-    (from_id, to_id, kind), information, T_from_to, transform = named[-1]
-    check_information(information)
-    known = bool(np.isfinite(T_from_to[0, 0]))
+    (from_id, to_id, kind), information, sound, T_from_to, known, transform = named[-1]
+    if not sound:
+        check_information(information)
     if not known and transform is not None and any(transform):
         raise DatabaseError("its transform is no rigid motion of finite numbers")
     return Link(from_id, to_id, kind, T_from_to if known else None, information)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Protocol, Self
@@ -302,6 +302,15 @@ def ascending(link: Link) -> Link:
     if link.from_id <= link.to_id or link.T_from_to is None:
         return link
     return Link(link.to_id, link.from_id, link.type, inverse(link.T_from_to), link.information)
+
+
+def all_ascending(links: Sequence[Link]) -> list[Link]:
+    """``ascending`` of many at once, for links that have a transform."""
+    stack = inverse(np.array([link.T_from_to for link in links], np.float64).reshape(-1, 4, 4))
+    return [
+        link if link.from_id <= link.to_id else Link(link.to_id, link.from_id, link.type, T_to_from, link.information)
+        for link, T_to_from in zip(links, stack, strict=True)
+    ]
 
 
 def name(link: Link) -> str:

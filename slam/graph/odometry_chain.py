@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.geometry import Array, adjoint, inverse
-from slam.graph.graph import PoseGraph, ascending
+from slam.graph.graph import Pair, PoseGraph, all_ascending
 from slam.types import Link, LinkType
 
 _STEPS = (LinkType.NEIGHBOR, LinkType.NEIGHBOR_MERGED)
@@ -38,24 +38,25 @@ class OdometryChain:
     """
 
     def __init__(self, graph: PoseGraph) -> None:
+        steps = _steps(graph)
+        ids = sorted(graph.poses)
+        self._row = {node_id: row for row, node_id in enumerate(ids)}
         self._path: dict[int, int] = {}
-        self._row: dict[int, int] = {}
-        poses: list[Array] = []
-        sums: list[Array] = []
-        for node_id in sorted(graph.poses):
-            step = _step_from(graph, node_id, self._path)
-            T_path_node, total, self._path[node_id] = np.eye(4), np.zeros((6, 6)), node_id
-            if step is not None:
-                before, T_before_node, covariance = step
-                row = self._row[before]
-                T_path_node = poses[row] @ T_before_node
-                Ad = adjoint(T_path_node)
-                total = sums[row] + Ad @ covariance @ Ad.T
-                self._path[node_id] = self._path[before]
-            self._row[node_id] = len(poses)
-            poses.append(T_path_node)
-            sums.append(total)
-        self._poses, self._sums = np.array(poses).reshape(-1, 4, 4), np.array(sums).reshape(-1, 6, 6)
+        self._poses = np.tile(np.eye(4), (len(ids), 1, 1))
+        before = np.full(len(ids), -1)
+        covariances = np.zeros((len(ids), 6, 6))
+        for row, node_id in enumerate(ids):
+            # The nearest earlier node that odometry joins with this one.
+            nearest = max((i for i in graph.neighbors(node_id) if (i, node_id) in steps), default=None)
+            self._path[node_id] = node_id if nearest is None else self._path[nearest]
+            if nearest is not None:
+                T_before_node, covariances[row] = steps[nearest, node_id]
+                before[row] = self._row[nearest]
+                self._poses[row] = self._poses[before[row]] @ T_before_node
+        Ad = adjoint(self._poses)
+        self._sums = Ad @ covariances @ np.swapaxes(Ad, 1, 2)
+        for row in np.flatnonzero(before >= 0).tolist():
+            self._sums[row] += self._sums[before[row]]
 
     def relative(self, a: Iterable[int], b: Iterable[int]) -> Relative:
         """From nodes a (N,) to nodes b (N,); ids that the graph has."""
@@ -73,20 +74,29 @@ class OdometryChain:
         return Relative(T_a_b, 0.5 * (covariance + np.swapaxes(covariance, 1, 2)), known)
 
 
-def _step_from(graph: PoseGraph, node_id: int, earlier: dict[int, int]) -> tuple[int, Array, Array] | None:
-    """The nearest earlier node that odometry joins with this one, the step from there and its covariance."""
-    links = graph.neighbors(node_id)
-    steps = (i for i, link in links.items() if i in earlier and link.type in _STEPS and is_sound(link))
-    before = max(steps, default=None)
-    if before is None:
-        return None
-    link = ascending(links[before])
-    assert link.T_from_to is not None
-    return before, link.T_from_to, np.linalg.inv(link.information).astype(np.float64)
+def _steps(graph: PoseGraph) -> dict[Pair, tuple[Array, Array]]:
+    """Transform and covariance of every step of odometry, from its smaller id."""
+    links = sound([link for link in graph.links.values() if link.type in _STEPS])
+    T, covariances = transforms(links), np.linalg.inv(informations(links))
+    return {link.pair: (T[k], covariances[k]) for k, link in enumerate(links)}
 
 
-def is_sound(link: Link) -> bool:
-    """Whether a link's transform and covariance can be reckoned with: files of other programs hold anything."""
-    if link.T_from_to is None or not (np.isfinite(link.T_from_to).all() and np.isfinite(link.information).all()):
-        return False
-    return bool(np.linalg.eigvalsh(link.information)[0] > 0.0)
+def sound(links: Iterable[Link]) -> list[Link]:
+    """Those whose transform and covariance can be reckoned with (files of other programs hold anything), ascending."""
+    finite = [
+        link
+        for link in links
+        if link.T_from_to is not None and np.isfinite(link.T_from_to).all() and np.isfinite(link.information).all()
+    ]
+    positive = np.linalg.eigvalsh(informations(finite))[:, 0] > 0.0
+    return all_ascending([link for link, good in zip(finite, positive, strict=True) if good])
+
+
+def transforms(links: Sequence[Link]) -> Array:
+    """(N, 4, 4) of links that have one."""
+    return np.array([link.T_from_to for link in links]).reshape(-1, 4, 4)
+
+
+def informations(links: Sequence[Link]) -> Array:
+    """(N, 6, 6)."""
+    return np.array([link.information for link in links], np.float64).reshape(-1, 6, 6)

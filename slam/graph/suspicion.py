@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slam.geometry import Array, adjoint, inverse
-from slam.graph.graph import Pair, PoseGraph, ascending
-from slam.graph.odometry_chain import OdometryChain, is_sound
+from slam.errors import OptimizationError
+from slam.geometry import Array, Pose, adjoint, inverse
+from slam.graph.graph import Pair, PoseGraph
+from slam.graph.odometry_chain import OdometryChain, informations, sound, transforms
+from slam.graph.optimizer import optimize
 from slam.graph.shift import angles
 from slam.graph.verify import residual_sigmas
+from slam.params import Params
 from slam.types import Link
 
 #: Loops that a loop is compared with, the nearest ones along the paths.
 _NEIGHBORS = 10
-#: A disagreement of more than this, in sigmas per axis, is held against a loop.
+#: A disagreement of more than this, times what is usual in the map, is held against a loop.
 _LIMIT = 3.0
+#: What is usual: this quantile of all loops in the graph, joined by so many that are off by their sigma. Of few loops
+#: the false ones would say what is usual.
+_USUAL, _HONEST = 0.75, 4
+#: How often the map is straightened without the worst loops, by how many steps of the solver: that ranks the loops.
+_ROUNDS, _STEPS = 2, 2
+#: Loops that have this share of the worst one's blame are taken out with it.
+_SHARE = 1.0 / 3.0
+#: Loops whose distances to all others are worked out at once.
+_PART = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +38,8 @@ class Suspicion:
     """What speaks against a loop.
 
     Attributes:
-        residual: how far the optimised poses are from it, in its sigmas; NaN while it is not in the graph.
+        residual: how far the poses are from it that the links have without the worst loops, in its sigmas; NaN while
+            it is not in the graph.
         odometry: how far odometry alone is from it, in sigmas of both (root mean square over the six axes); NaN where
             odometry does not join its ends.
         neighbors: the same for the loops near by, each with the odometry between (median); NaN without such loops.
@@ -43,55 +56,91 @@ class Suspicion:
     score: float
 
 
-def suspicions(graph: PoseGraph, loops: Sequence[Link], limit: float = _LIMIT) -> dict[Pair, Suspicion]:
+def suspicions(graph: PoseGraph, loops: Sequence[Link], params: Params | None = None) -> dict[Pair, Suspicion]:
     """What speaks against each of these links, by its pair; unsound ones are left out.
 
-    Odometry and the loops' covariances are rarely right to a factor of two; what most loops of a map show is normal
-    there, so that each disagreement is measured against the median of all loops in the graph. Loops are compared in
-    pairs as in PCM (Mangelson 2018, equation 1), each with the nearest ones only.
+    Odometry and the loops' covariances are rarely right to a factor of ten; what most loops of a map show is usual
+    there, and each disagreement is measured against it. Loops are compared in pairs as in PCM (Mangelson 2018,
+    equation 1), each with the nearest ones only. A false loop bends the map, and the true ones near it with it: so
+    the map is straightened without those that strain it and that the other two tests speak against, and all are held
+    against what is left.
 
     Args:
         graph: with poses; its loop links are what the others are compared with.
         loops: links between nodes of the graph, of the graph or not, with a transform.
-        limit: sigmas that the optimised poses may be off (``RGBD/OptimizeMaxError``); 0 counts as 3.
+        params: how the graph is optimised, and the sigmas that its poses may be off (``RGBD/OptimizeMaxError``;
+            0 counts as 3).
     """
-    trusted = [ascending(link) for _, link in sorted(graph.links.items()) if link.type.is_loop and is_sound(link)]
-    judged = [ascending(link) for link in loops if is_sound(link)]
+    params = params or Params()
+    trusted = sound(link for _, link in sorted(graph.links.items()) if link.type.is_loop)
+    judged = sound(loops)
     if not judged:
         return {}
-    chain = OdometryChain(graph)
-    odometry, usual = _against_odometry(chain, judged), _against_odometry(chain, trusted)
-    compared = _against_each_other(chain, judged, trusted)
-    normal = [d for d in _against_each_other(chain, trusted, trusted) if len(d)]
-    scale = _scale(np.array([np.median(d) for d in normal]))
-    in_graph = {link.pair for link in trusted}
-    residual = _residuals(graph, judged, in_graph)
-    allowed = (limit or _LIMIT, _LIMIT * _scale(usual), _LIMIT * scale)
-    return {
-        link.pair: _suspicion(float(residual[k]), float(odometry[k]), compared[k], allowed)
-        for k, link in enumerate(judged)
-    }
+    chain, row = OdometryChain(graph), {link.pair: k for k, link in enumerate(trusted)}
+    others = [link for link in judged if link.pair not in row]
+    every = [*trusted, *others]
+    row |= {link.pair: k for k, link in enumerate(others, start=len(trusted))}
+    odometry = _against_odometry(chain, every)
+    compared = _against_each_other(chain, every, trusted)
+    neighbors, counts = _medians(compared)
+    known = len(trusted)
+    allowed = _LIMIT * np.array([_usual(odometry[:known]), _usual(neighbors[:known])])
+    measured = np.fmax(odometry / allowed[0], neighbors / allowed[1])
+    strain = _Strain(graph, trusted, np.nan_to_num(measured[:known]), params)
+    residual = np.append(strain.residual, np.full(len(others), np.nan))
+    score = np.nan_to_num(np.fmax(measured, np.append(strain.ratio, np.full(len(others), np.nan))))
+    agreeing = (compared <= allowed[1]).sum(axis=1)
+    columns = np.column_stack([residual, odometry, neighbors, counts, agreeing, score])
+    return {link.pair: _suspicion(columns[row[link.pair]]) for link in judged}
 
 
-def _suspicion(residual: float, odometry: float, compared: Array, allowed: tuple[float, float, float]) -> Suspicion:
-    neighbors = float(np.median(compared)) if len(compared) else float("nan")
-    ratios = np.array([residual, odometry, neighbors]) / allowed
-    score = float(np.nanmax(ratios)) if np.isfinite(ratios).any() else 0.0
-    agreeing = int((compared <= allowed[2]).sum())
-    return Suspicion(residual, odometry, neighbors, len(compared), agreeing, score)
+def _suspicion(values: Array) -> Suspicion:
+    residual, odometry, neighbors, compared, agreeing, score = values.tolist()
+    return Suspicion(residual, odometry, neighbors, int(compared), int(agreeing), score)
 
 
-def _scale(usual: Array) -> float:
-    """How much larger than its sigmas a disagreement is in this map; 1 where it is smaller, or not known."""
-    known = usual[np.isfinite(usual)]
-    return max(1.0, float(np.median(known))) if len(known) else 1.0
+def _usual(disagreement: Array) -> float:
+    known = disagreement[np.isfinite(disagreement)]
+    return float(np.quantile(np.append(known, np.ones(_HONEST)), _USUAL))
 
 
-def _residuals(graph: PoseGraph, loops: Sequence[Link], in_graph: set[Pair]) -> Array:
-    residual = np.full(len(loops), np.nan)
-    rows = [k for k, link in enumerate(loops) if link.pair in in_graph]
-    residual[rows] = residual_sigmas([loops[k] for k in rows], graph.poses)
-    return residual
+class _Strain:
+    """How far the loops of a graph are from its poses once those that strain it most are left out.
+
+    Attributes:
+        residual: (N,) in sigmas of each loop.
+        ratio: (N,) the same over what is allowed.
+    """
+
+    def __init__(self, graph: PoseGraph, loops: Sequence[Link], measured: Array, params: Params) -> None:
+        self._loops, self._limit = loops, params.RGBD.OptimizeMaxError or _LIMIT
+        self._look(graph.poses)
+        few, poses = params.changed({"Optimizer/Iterations": _STEPS}), graph.poses
+        out = np.zeros(len(loops), np.bool_)
+        for _ in range(_ROUNDS):
+            blame = np.where((self.ratio > 1.0) & ~out, self.ratio * measured, 0.0)
+            worst = (blame > 0.0) & (blame >= _SHARE * blame.max(initial=0.0))
+            if not worst.any():
+                return
+            out = worst | (out & (self.ratio > 1.0))
+            try:
+                poses = _without(graph, poses, [link for link, gone in zip(loops, out, strict=True) if gone], few)
+            except OptimizationError:
+                # What the solver can't straighten is judged as it is.
+                return
+            self._look(poses)
+
+    def _look(self, poses: Mapping[int, Pose]) -> None:
+        self.residual = residual_sigmas(self._loops, poses)
+        self.ratio = self.residual / (self._limit * _usual(self.residual))
+
+
+def _without(graph: PoseGraph, poses: dict[int, Pose], loops: Sequence[Link], params: Params) -> dict[int, Pose]:
+    rest = graph.copy()
+    rest.poses = poses
+    for link in loops:
+        rest.remove_link(link.pair)
+    return optimize(rest, params).poses
 
 
 def _against_odometry(chain: OdometryChain, loops: Sequence[Link]) -> Array:
@@ -99,35 +148,63 @@ def _against_odometry(chain: OdometryChain, loops: Sequence[Link]) -> Array:
     if not loops:
         return np.zeros(0)
     path = chain.relative((link.from_id for link in loops), (link.to_id for link in loops))
-    sigmas = _sigmas(_transforms(loops), path.T_a_b, _covariances(loops) + path.covariance)
+    sigmas = _sigmas(transforms(loops), path.T_a_b, _covariances(loops) + path.covariance)
     return np.where(path.known, sigmas, np.nan)
 
 
-def _against_each_other(chain: OdometryChain, judged: Sequence[Link], trusted: Sequence[Link]) -> list[Array]:
-    """For each judged loop the sigmas (M,) between it and loops near by: along one, and along the path to the other."""
-    pairs = _near(judged, trusted)
-    if not len(pairs):
-        return [np.zeros(0) for _ in judged]
-    a, b = [judged[i] for i in pairs[:, 0]], [trusted[k] for k in pairs[:, 1]]
-    out = chain.relative((link.from_id for link in a), (link.from_id for link in b))
-    back = chain.relative((link.to_id for link in b), (link.to_id for link in a))
-    T_b, known = _transforms(b), out.known & back.known
+def _against_each_other(chain: OdometryChain, judged: Sequence[Link], trusted: Sequence[Link]) -> Array:
+    """(N, M) sigmas between each judged loop and M loops near by, NaN where there are less.
+
+    The one way is along the loop, the other along the path to the other, along it and back.
+    """
+    near = _near(judged, trusted)
+    rows, columns = np.nonzero(near >= 0)
+    found = np.full(near.shape, np.nan)
+    if not len(rows):
+        return found
+    others = near[rows, columns]
+    a, b = np.array([link.pair for link in judged])[rows], np.array([link.pair for link in trusted])[others]
+    out = chain.relative(a[:, 0].tolist(), b[:, 0].tolist())
+    back = chain.relative(b[:, 1].tolist(), a[:, 1].tolist())
+    T_b, known = transforms(trusted)[others], out.known & back.known
     # Errors on the way, carried to the end of the way.
-    covariance = _covariances(a) + back.covariance
-    covariance += _carried(_covariances(b), back.T_a_b) + _carried(out.covariance, T_b @ back.T_a_b)
-    sigmas = _sigmas(_transforms(a), out.T_a_b @ T_b @ back.T_a_b, covariance)
-    return [sigmas[(pairs[:, 0] == i) & known] for i in range(len(judged))]
+    covariance = _covariances(judged)[rows] + back.covariance
+    covariance += _carried(_covariances(trusted)[others], back.T_a_b) + _carried(out.covariance, T_b @ back.T_a_b)
+    sigmas = _sigmas(transforms(judged)[rows], out.T_a_b @ T_b @ back.T_a_b, covariance)
+    found[rows, columns] = np.where(known, sigmas, np.nan)
+    return found
+
+
+def _medians(compared: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Median (N,) of what is known in each row, NaN without anything, and how many that are."""
+    counts = np.isfinite(compared).sum(axis=1)
+    ordered = np.column_stack([np.sort(compared, axis=1), np.full(len(compared), np.nan)])
+    row = np.arange(len(compared))
+    return 0.5 * (ordered[row, (counts - 1) // 2] + ordered[row, counts // 2]), counts
 
 
 def _near(judged: Sequence[Link], trusted: Sequence[Link]) -> NDArray[np.int64]:
-    """Rows (N, 2) of (judged, trusted): the loops whose ends are nearest along the paths, by ids."""
-    ends = np.array([link.pair for link in trusted], np.int64).reshape(-1, 2)
-    rows = []
-    for i, link in enumerate(judged):
-        far = np.abs(ends - np.array(link.pair)).sum(axis=1)
-        nearest = np.argsort(far, kind="stable")[: _NEIGHBORS + 1]
-        rows += [(i, int(k)) for k in nearest if far[k] > 0][:_NEIGHBORS]
-    return np.array(rows, np.int64).reshape(-1, 2)
+    """Rows (N, M) of the trusted loops whose ends are nearest to those of a judged one by ids; -1 where there are less.
+
+    A loop is none of those near it.
+    """
+    pairs, ends = (np.array([link.pair for link in links], np.int32).reshape(-1, 2) for links in (judged, trusted))
+    most = min(_NEIGHBORS + 1, len(ends))
+    found = np.full((len(pairs), _NEIGHBORS), -1, np.int64)
+    for first in range(0, len(pairs) if most else 0, _PART):
+        part = pairs[first : first + _PART]
+        far = np.abs(part[:, None, 0] - ends[:, 0]) + np.abs(part[:, None, 1] - ends[:, 1])
+        nearest = np.argpartition(far, most - 1, axis=1)[:, :most]
+        distance = np.take_along_axis(far, nearest, axis=1)
+        order = np.lexsort((nearest, distance))
+        nearest, distance = (np.take_along_axis(values, order, axis=1) for values in (nearest, distance))
+        own = distance[:, :1] == 0
+        kept = np.where(own, nearest[:, 1:], nearest[:, :-1])[:, :_NEIGHBORS]
+        if most <= _NEIGHBORS:
+            # All of them are near: without itself one is missing.
+            kept = np.column_stack([kept, np.where(own[:, 0], -1, nearest[:, -1])])
+        found[first : first + len(part), : kept.shape[1]] = kept
+    return found
 
 
 def _sigmas(measured: Array, expected: Array, covariance: Array) -> Array:
@@ -153,9 +230,5 @@ def _carried(covariance: Array, T_end: Array) -> Array:
     return np.asarray(Ad @ covariance @ np.swapaxes(Ad, 1, 2))
 
 
-def _transforms(loops: Sequence[Link]) -> Array:
-    return np.array([link.T_from_to for link in loops]).reshape(-1, 4, 4)
-
-
 def _covariances(loops: Sequence[Link]) -> Array:
-    return np.linalg.inv(np.array([link.information for link in loops]).reshape(-1, 6, 6))
+    return np.asarray(np.linalg.inv(informations(loops)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from slam.errors import OptimizationError
 from slam.geometry import Array, Pose, flat, inverse
-from slam.graph.graph import PoseGraph, ascending, name
+from slam.graph.graph import PoseGraph, all_ascending, name
 from slam.graph.optimizer import Optimized, choose_root, optimize
 from slam.graph.shift import angles
 from slam.params import Params
@@ -92,7 +92,7 @@ def residual_ratios(links: Sequence[Link], poses: Mapping[int, Pose], *, planar:
     As in RTAB-Map the linear ratio is the largest axis over the largest sigma of the three; axes of unknown variance
     (9999 and up) are left out when sigma is picked, and a part of which no axis is known isn't judged (ratio 0).
     """
-    links = [ascending(link) for link in links]
+    links = all_ascending(links)
     T_from_to = np.array([link.T_from_to for link in links])
     T_map_from = np.array([poses[link.from_id] for link in links])
     T_map_to = np.array([poses[link.to_id] for link in links])

@@ -60,4 +60,5 @@ class Link:
     @property
     def pair(self) -> tuple[int, int]:
         """Both ids, smaller first."""
-        return min(self.from_id, self.to_id), max(self.from_id, self.to_id)
+        a, b = self.from_id, self.to_id
+        return (a, b) if a <= b else (b, a)

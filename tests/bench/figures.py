@@ -45,11 +45,11 @@ def figures(sequences: Summaries, full: Mapping[str, Any] | None, works: Mapping
         found += _pace(name, summary)
     wm_300 = None if full is None else full["update_ms_wm_300"]
     if wm_300 is not None:
-        found.append(_most("map update with node, WM 300, 500 words", wm_300, "ms", "30 to 60", _UPDATE_MS))
+        found.append(most("map update with node, WM 300, 500 words", wm_300, "ms", "30 to 60", _UPDATE_MS))
     for name, value in works.items():
         text, _, unit = name.rpartition(", ")
         wanted = text.startswith("optimise 800")
-        found.append(_most(text, value, unit, "77", _OPTIMISE_MS) if wanted else Figure(text, value, unit))
+        found.append(most(text, value, unit, "77", _OPTIMISE_MS) if wanted else Figure(text, value, unit))
     return found
 
 
@@ -57,7 +57,7 @@ def _accuracy(name: str, summary: Mapping[str, Any]) -> list[Figure]:
     ate, tracked, rows = summary["ate_rmse_m"], summary["frames"] - summary["lost_frames"], list[Figure]()
     if ate is not None:
         peers, target = _ATE.get(name, ("", None))
-        rows.append(_most(f"{name}: ATE", round(100 * ate, 3), "cm", peers, target))
+        rows.append(most(f"{name}: ATE", round(100 * ate, 3), "cm", peers, target))
     wanted = name == "hololens_tour"
     rows.append(
         Figure(
@@ -79,14 +79,15 @@ def _pace(name: str, summary: Mapping[str, Any]) -> list[Figure]:
     limit = _MEMORY_MB if name == "hololens_tour" else None
     return [
         Figure(f"{name}: whole pipeline on 2 cores", fps, "frames/s", "about 20", f">= {_FPS:g}", fps >= _FPS),
-        _most(f"{name}: odometry per frame, alone", summary["odometry_alone_ms"], "ms", "15 to 37", _ODOMETRY_MS),
+        most(f"{name}: odometry per frame, alone", summary["odometry_alone_ms"], "ms", "15 to 37", _ODOMETRY_MS),
         Figure(f"{name}: odometry per frame, in the pipeline", median["odometry"], "ms"),
         Figure(f"{name}: map update with node, median", median["update"], "ms"),
-        _most(f"{name}: resident memory, peak", summary["peak_rss_mb"], "MB", "260" if limit else "", limit),
+        most(f"{name}: resident memory, peak", summary["peak_rss_mb"], "MB", "260" if limit else "", limit),
     ]
 
 
-def _most(name: str, value: float, unit: str, peers: str, limit: float | None) -> Figure:
+def most(name: str, value: float, unit: str, peers: str, limit: float | None) -> Figure:
+    """A figure that is met at or below a limit."""
     if limit is None:
         return Figure(name, value, unit, peers)
     return Figure(name, value, unit, peers, f"<= {limit:g}", value <= limit)

@@ -1,4 +1,4 @@
-"""A measurement as a table for the terminal, and as the page ``docs/accuracy.md``."""
+"""Measurements as tables for the terminal, and as the pages ``docs/accuracy.md`` and ``docs/workbench.md``."""
 
 from __future__ import annotations
 
@@ -31,6 +31,29 @@ def page(result: Mapping[str, Any]) -> str:
         f"|{'---|' * len(_COLUMNS)}",
         *(f"| {' | '.join(row)} |" for row in _rows(result)),
     ]
+    return "\n".join([*lines, ""])
+
+
+def workbench_page(result: Mapping[str, Any]) -> str:
+    """Markdown."""
+    machine = result["machine"]
+    lines = [
+        "# The page's figures",
+        "",
+        f"Measured by `python -m tests.bench --workbench` at commit {result['commit']} on {result['date']}: a real "
+        f"server and headless Chromium, which draws in software, on {machine['cores']} cores ({machine['system']}), "
+        f"Python {machine['python']}.",
+        "Load is that of the machine, from this and other work, when the figure was known: on two cores everything "
+        "above 2 makes times longer. Times are only good as ratios to the reference work of the same run; bytes do not "
+        "depend on it.",
+        "",
+        "| what | measured | unit | wanted | | load |",
+        "|---|---|---|---|---|---|",
+        f"| reference: features of a fixed 640x480 image | {result['reference_ms']} | ms | | | {machine['load']} |",
+    ]
+    for figure in result["figures"]:
+        name, value, unit, _, wanted, verdict = _row(figure)
+        lines.append(f"| {name} | {value} | {unit} | {wanted} | {verdict} | {figure['load']} |")
     return "\n".join([*lines, ""])
 
 

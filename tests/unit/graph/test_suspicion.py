@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,6 +14,7 @@ from slam.graph.optimizer import optimize
 from slam.graph.suspicion import suspicions
 from slam.params import Params
 from slam.types import Link, LinkType
+from tests.bench.planting import maps, plantings
 from tests.graphs import INFORMATION, LAP, circles, truth
 
 
@@ -47,10 +50,19 @@ def test_in_a_map_of_two_thousand_nodes_too() -> None:
     assert set(sorted(found, key=lambda pair: -found[pair].score)[:2]) == {(500, 515), (1200, 1215)}
 
 
+def test_true_loops_that_false_ones_bend_do_not_hide_them() -> None:
+    assert all(one.found and one.mended_m < 0.001 for one in plantings(circles(400, 60), Params(), 8))
+
+
+def test_planted_loops_are_found_in_a_map_of_rtabmap(shared_data: Path) -> None:
+    graph, params = maps(shared_data)["toyroom of C++ RTAB-Map"]()
+    assert all(one.found and one.mended_m < 0.001 for one in plantings(graph, params, 8))
+
+
 def test_covariances_that_are_all_too_small_make_no_loop_suspect() -> None:
     graph = circles(100, 20, noise=4.0)
     graph.poses = optimize(graph, Params()).poses
-    found = suspicions(graph, loops_of(graph), limit=12.0)
+    found = suspicions(graph, loops_of(graph), Params().changed({"RGBD/OptimizeMaxError": 12.0}))
     assert max(one.score for one in found.values()) < 1.0
 
 
