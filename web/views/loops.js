@@ -6,7 +6,7 @@ import { on } from "../events.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
 import { LoopList, NO_FILTER } from "../loop_list.js";
-import { go, link, openMapId, route } from "../router.js";
+import { go, link, moment, openMapId, route } from "../router.js";
 import { remembered } from "../prefs.js";
 import { graphRevision, inForce } from "../store.js";
 import { BulkBar } from "../parts/bulk.js";
@@ -77,6 +77,7 @@ export function Loops() {
 
   function queue() {
     return html`<div class="view-part">
+      ${moment.value !== null && html`<p class="note small">The 3D view shows the map after node ${moment.value}; this list is that of now, with what people decided.</p>`}
       ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), sessions: list.sessions(), order: order.value, onChange: setFilter, onOrder: (next) => (order.value = next) })}
       <div class="view-table">${queueTable()}</div>
       ${list.byKey.size > 0 && h(BulkBar, { rows, total: list.byKey.size, onDecided: () => void reload() })}

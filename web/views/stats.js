@@ -96,11 +96,12 @@ function StatChart({ data, name, token, at, onCursor, onRemove }) {
   return html`<figure class="stat-chart" ref=${figure}>
     <figcaption>
       <b class="clip" title=${name}>${name}</b>
-      <output>${text.short(column[row])}</output>
-      <span class="quiet small">at ${data.ids[row] ?? text.NONE}</span>
-      <span class="quiet small" title="Median and maximum over the map">med ${text.short(median(known))} · max ${text.short(largest(known))}</span>
       ${h(Button, { icon: "image", kind: "bare", hint: `Save the chart of ${name} as PNG`, onClick: saveChart })}
       ${h(Button, { icon: "close", kind: "bare", hint: `Remove ${name}`, onClick: onRemove })}
+      <span class="stat-numbers quiet small">
+        <output>${text.short(column[row])}</output> at ${data.ids[row] ?? text.NONE}${" · "}
+        <span title="Median and maximum over the map">median ${text.short(median(known))} · max ${text.short(largest(known))}</span>
+      </span>
     </figcaption>
     ${h(Chart, {
       label: `${name} over ${time ? "time" : "node ids"}`,
