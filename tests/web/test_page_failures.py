@@ -82,7 +82,7 @@ def test_a_dead_engine_leaves_page_and_map_alive(tmp_path: Path, open_page: Open
         page.get_by_role("link", name="Nodes").click()
         page.get_by_role("row").nth(2).click()
         expect(page.get_by_role("region", name=re.compile(r"Node \d+"))).to_be_visible()
-        page.get_by_role("button", name="Hide this message").click()
+        banner.get_by_role("button", name="Hide this message").click()
         expect(banner).to_be_hidden()
     finally:
         server.close()
