@@ -8,7 +8,7 @@ from slam.edit.covariances import weighing
 from slam.edit.detect import detect_more
 from slam.edit.job import Job
 from slam.edit.links import LinkEditor
-from slam.edit.nodes import dropping, labelling_many
+from slam.edit.nodes import dropping, labelling
 from slam.edit.priors import placing
 from slam.edit.refine import refine_links
 from slam.edit.wishes import Detection, Outcome
@@ -42,7 +42,7 @@ class Edits:
             return weighing(graph, command.edit)
         if isinstance(command, DropNodes):
             return dropping(graph, reader, command.node_ids, command.author)
-        return labelling_many(graph, reader, command.node_ids, command.label, command.author)
+        return labelling(graph, reader, command.node_ids, command.label, command.author)
 
     def job(self, command: StartJob) -> Job:
         """The work of a job, not begun."""

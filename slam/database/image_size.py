@@ -34,12 +34,6 @@ def check_size(blob: bytes, kind: str) -> None:
         )
 
 
-def claimed_pixels(blob: bytes) -> int:
-    """Width times height that the header claims; 0 when it is no JPEG or PNG, or is cut off before it says."""
-    width, height = claimed_size(blob)
-    return width * height
-
-
 def claimed_size(blob: bytes) -> tuple[int, int]:
     """Width and height that the header claims; zeros when it is no JPEG or PNG, or is cut off before it says."""
     if blob.startswith(_PNG):

@@ -79,11 +79,6 @@ class NodeSensors:
     descriptors: tuple[GlobalDescriptor, ...] = field(default=())
     user_data: NDArray[np.generic] | None = None
 
-    @property
-    def user_text(self) -> str | None:
-        """User data that are text (one row of signed bytes); None where they are none."""
-        return text_in(self.user_data)
-
 
 def text_in(matrix: NDArray[np.generic] | None) -> str | None:
     """The text that a matrix of one row of signed bytes holds; None where it holds none."""

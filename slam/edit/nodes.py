@@ -60,16 +60,7 @@ def bridged(graph: PoseGraph, gone: Sequence[int]) -> dict[Pair, Link]:
     return {pair: link for pair, link in made.items() if not set(pair) & left}
 
 
-def labelling(graph: PoseGraph, reader: MapReader, node_id: int, label: str, author: str) -> JournalEntry:
-    """The entry that gives a node a label, or takes it away (empty).
-
-    Raises:
-        DecisionError: the node is not in the map, has that label already, or another one has it.
-    """
-    return labelling_many(graph, reader, [node_id], label, author)[0]
-
-
-def labelling_many(
+def labelling(
     graph: PoseGraph, reader: MapReader, node_ids: Sequence[int], label: str, author: str
 ) -> list[JournalEntry]:
     """Entries that give nodes a label, numbered by their ids where there are several (a label is of one node alone).

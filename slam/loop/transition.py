@@ -83,11 +83,6 @@ class Transition:
         return room
 
 
-def transition_matrix(ids: Sequence[int], graph: PoseGraph, params: Params) -> Array:
-    """The same matrix without one to begin with."""
-    return Transition().update(ids, graph, params)
-
-
 def _beside(ids: Sequence[int], graph: PoseGraph) -> dict[int, Beside]:
     """What each of ``ids`` is linked with among them, in their order."""
     known, found = set(ids), {}

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from slam.errors import ParameterError
 from slam.graph.graph import PoseGraph
 from slam.loop.bayes import BayesFilter, neighbours_in_time
-from slam.loop.transition import transition_matrix
+from slam.loop.transition import Transition
 from slam.params import Params
 from slam.types import LinkType
 from tests.nodes import chain, join
@@ -45,7 +45,7 @@ def test_every_column_of_the_transition_sums_to_one(
 ) -> None:
     graph = tangled(count, loops, kind)
     ids = [i for i in range(1, count + 1) if i not in gone]
-    matrix = transition_matrix(ids, graph, predicting(text, stay))
+    matrix = Transition().update(ids, graph, predicting(text, stay))
     assert matrix.shape == (len(ids) + 1, len(ids) + 1)
     assert (matrix >= 0).all()
     np.testing.assert_allclose(matrix.sum(axis=0), 1.0, atol=1e-12)
@@ -111,7 +111,7 @@ def test_the_order_of_places_and_links_does_not_matter(
 
 
 def test_the_transition_of_a_chain_has_the_values_of_the_list() -> None:
-    matrix = transition_matrix(list(range(1, 42)), chain(41), PARAMS)
+    matrix = Transition().update(list(range(1, 42)), chain(41), PARAMS)
     column = matrix[1:, 21]
     total = sum(VALUES) + sum(VALUES[2:]) - VALUES[0]  # neighbours on both sides
     for distance, value in enumerate(VALUES[1:8]):
@@ -123,53 +123,53 @@ def test_the_transition_of_a_chain_has_the_values_of_the_list() -> None:
 
 
 def test_missing_neighbours_leave_their_share_to_the_place_itself() -> None:
-    alone = transition_matrix([5], chain(9), PARAMS)
+    alone = Transition().update([5], chain(9), PARAMS)
     np.testing.assert_allclose(alone, [[0.9, 0.1], [0.1, 0.9]], rtol=1e-6)
-    end = transition_matrix([1, 2, 3], chain(3), PARAMS)[1:, 1]
+    end = Transition().update([1, 2, 3], chain(3), PARAMS)[1:, 1]
     assert end[0] > end[1] > end[2] > 0
     assert end[0] == pytest.approx((sum(VALUES[1:]) - VALUES[2] - VALUES[3]) * 0.9 / sum(VALUES[1:]), rel=1e-6)
 
 
 def test_places_tied_by_a_loop_are_one_place_and_proximity_ties_nothing() -> None:
     ids = list(range(1, 31))
-    tied = transition_matrix(ids, tangled(30, [(30, 1)], LinkType.GLOBAL_CLOSURE), PARAMS)
+    tied = Transition().update(ids, tangled(30, [(30, 1)], LinkType.GLOBAL_CLOSURE), PARAMS)
     assert tied[1, 1] >= tied[30, 1] > 1.1 * tied[2, 1]
     assert tied[29, 1] == pytest.approx(tied[2, 1], rel=1e-9), "the neighbours of both are as near"
-    near = transition_matrix(ids, tangled(30, [(30, 1)], LinkType.LOCAL_SPACE_CLOSURE), PARAMS)
-    np.testing.assert_array_equal(near, transition_matrix(ids, chain(30), PARAMS))
+    near = Transition().update(ids, tangled(30, [(30, 1)], LinkType.LOCAL_SPACE_CLOSURE), PARAMS)
+    np.testing.assert_array_equal(near, Transition().update(ids, chain(30), PARAMS))
 
 
 def test_the_shorter_way_counts() -> None:
     # From 1 by the loop 1-4 to 3 it is one step, along the chain two.
-    matrix = transition_matrix([1, 2, 3, 4, 5], tangled(5, [(4, 1)], LinkType.GLOBAL_CLOSURE), PARAMS)
+    matrix = Transition().update([1, 2, 3, 4, 5], tangled(5, [(4, 1)], LinkType.GLOBAL_CLOSURE), PARAMS)
     assert matrix[3, 1] == pytest.approx(matrix[2, 1], rel=1e-9)
 
 
 def test_a_list_below_one_spreads_the_rest_over_the_others() -> None:
-    column = transition_matrix([1, 2, 3, 4, 5], chain(5), predicting("0.05 0.5 0.05"))[:, 3]
+    column = Transition().update([1, 2, 3, 4, 5], chain(5), predicting("0.05 0.5 0.05"))[:, 3]
     np.testing.assert_allclose(column, [0.05, *(np.array([0.1, 0.05, 0.5, 0.05, 0.1]) * 0.95 / 0.8)])
 
 
 def test_a_share_below_the_least_value_goes_to_the_virtual_place() -> None:
-    column = transition_matrix(list(range(1, 12)), chain(11), predicting("0.1 0.3 0.1"))[:, 6]
+    column = Transition().update(list(range(1, 12)), chain(11), predicting("0.1 0.3 0.1"))[:, 6]
     assert (column[[1, 2, 3, 4, 8, 9, 10, 11]] == 0).all()  # half of it over ten places is too little for each
     assert column[0] == pytest.approx(1 - column[5:8].sum())
     assert column[6] == pytest.approx(0.3 * 0.9 / 0.9)
 
 
 def test_the_virtual_place_stays_or_goes_anywhere() -> None:
-    matrix = transition_matrix([1, 2, 3, 4], chain(4), predicting(PARAMS.Bayes.PredictionLC, 0.6))
+    matrix = Transition().update([1, 2, 3, 4], chain(4), predicting(PARAMS.Bayes.PredictionLC, 0.6))
     np.testing.assert_allclose(matrix[:, 0], [0.6, 0.1, 0.1, 0.1, 0.1])
-    assert transition_matrix([], chain(1), PARAMS).tolist() == [[1.0]]
+    assert Transition().update([], chain(1), PARAMS).tolist() == [[1.0]]
 
 
 def test_all_start_equal_and_a_new_place_starts_at_nothing() -> None:
     belief, graph = BayesFilter(), chain(5)
     first = belief.update([1, 2], np.ones(2), 1.0, graph, PARAMS)
-    expected = transition_matrix([1, 2], graph, PARAMS) @ np.full(3, 1 / 3)
+    expected = Transition().update([1, 2], graph, PARAMS) @ np.full(3, 1 / 3)
     np.testing.assert_allclose([first.virtual_place, *first.probability], expected)
     second = belief.update([1, 2, 3], np.ones(3), 1.0, graph, PARAMS)
-    expected = transition_matrix([1, 2, 3], graph, PARAMS) @ [first.virtual_place, *first.probability, 0.0]
+    expected = Transition().update([1, 2, 3], graph, PARAMS) @ [first.virtual_place, *first.probability, 0.0]
     np.testing.assert_allclose([second.virtual_place, *second.probability], expected / expected.sum())
 
 

@@ -1,6 +1,7 @@
 // A canvas as wide as its place, in the device's own pixels, drawn anew when its size or its content changes.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { html } from "../html.js";
+import { useWidth } from "./use.js";
 
 /** @typedef {(ctx: CanvasRenderingContext2D, width: number, height: number) => void} Draw in CSS pixels */
 
@@ -18,14 +19,7 @@ import { html } from "../html.js";
 /** @param {CanvasProps} props */
 export function Canvas({ label, aspect, draw, dependencies, onPoint }) {
   const canvas = useRef(/** @type {HTMLCanvasElement | null} */ (null));
-  const [width, setWidth] = useState(0);
-  useEffect(() => {
-    const box = canvas.current?.parentElement;
-    if (!box) return undefined;
-    const observer = new ResizeObserver(() => setWidth(box.clientWidth));
-    observer.observe(box);
-    return () => observer.disconnect();
-  }, []);
+  const width = useWidth(canvas);
   useEffect(() => {
     if (canvas.current && width > 0) paint(canvas.current, width, Math.round(width / aspect), draw);
   }, [width, aspect, ...dependencies]);

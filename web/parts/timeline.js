@@ -7,6 +7,7 @@ import { KINDS, SPEEDS, events, goToRow, jump, kind, load, now, pause, playing, 
 import { Button } from "./button.js";
 import { EventList } from "./event_list.js";
 import { Icon } from "./icons.js";
+import { useWidth } from "./use.js";
 import { scene } from "../store.js";
 import { color, theme } from "../theme.js";
 
@@ -106,14 +107,7 @@ function caption(updates) {
 /** A line for every event above the slider. @param {{updates: Updates}} props */
 function Ticks({ updates }) {
   const canvas = useRef(/** @type {HTMLCanvasElement | null} */ (null));
-  const [width, setWidth] = useState(0);
-  useEffect(() => {
-    const box = canvas.current?.parentElement;
-    if (!box) return undefined;
-    const observer = new ResizeObserver(() => setWidth(box.clientWidth));
-    observer.observe(box);
-    return () => observer.disconnect();
-  }, []);
+  const width = useWidth(canvas);
   useEffect(() => void (canvas.current && width && drawTicks(canvas.current, width, updates)), [updates, width, theme.value, kind.value]);
   return html`<canvas ref=${canvas} class="timeline-ticks" aria-hidden="true"></canvas>`;
 }

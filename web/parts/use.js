@@ -1,6 +1,6 @@
 // Hooks that several views share.
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { useCallback, useEffect, useRef } from "preact/hooks";
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 
 /**
  * Fetch something when the dependencies change; the last answer stays while the next is on its way.
@@ -48,6 +48,22 @@ async function settle(work, aborted, data, error) {
   } catch (failure) {
     if (!aborted.aborted) error.value = /** @type {Error} */ (failure);
   }
+}
+
+/**
+ * Width of the place that an element fills, CSS pixels, followed; 0 until it is known.
+ * @param {{current: Element | null}} element
+ */
+export function useWidth(element) {
+  const [width, setWidth] = useState(0);
+  useEffect(() => {
+    const box = element.current?.parentElement;
+    if (!box) return undefined;
+    const observer = new ResizeObserver(() => setWidth(box.clientWidth));
+    observer.observe(box);
+    return () => observer.disconnect();
+  }, []);
+  return width;
 }
 
 /**

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from slam.database.image_size import claimed_pixels
+from slam.database.image_size import claimed_size
 from slam.database.images import decode_color, decode_depth
 from slam.errors import DatabaseError
 
@@ -17,7 +17,7 @@ def test_the_size_of_real_images(extension: str, options: list[int]) -> None:
     for shape in ((7, 5, 3), (48, 64), (300, 1000, 3)):
         image = np.zeros(shape, dtype=np.uint8)
         blob = cv2.imencode(extension, image, options if extension == ".jpg" else [])[1].tobytes()
-        assert claimed_pixels(blob) == shape[0] * shape[1]
+        assert claimed_size(blob) == (shape[1], shape[0])
 
 
 def test_what_says_no_size() -> None:
@@ -30,7 +30,7 @@ def test_what_says_no_size() -> None:
         whole[:30],
         b"\xff\xd8" + b"\xff\xe0\x00\x00" * 9,
     ):
-        assert claimed_pixels(blob) == 0
+        assert claimed_size(blob) == (0, 0)
 
 
 def test_absurd_sizes_are_refused() -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from slam.database import MapReader
+from slam.database.sensor_values import text_in
 from slam.errors import DatabaseError
 from tests.unit.database import old_files as old
 from tests.unit.database.old_files import Version, z
@@ -32,7 +33,7 @@ def changed(path: Path, *statements: tuple[str, tuple[object, ...]], version: Ve
 def test_each_version_has_what_it_stored(tmp_path: Path, version: Version) -> None:
     reader = MapReader(old.write_old(tmp_path / "old.db", version))
     found = reader.sensors(1)
-    assert found.user_text == old.USER_DATA.decode()
+    assert text_in(found.user_data) == old.USER_DATA.decode()
     assert (found.velocity is not None) == (version >= (0, 13, 0))
     if found.velocity is not None:
         assert found.velocity.tolist() == [1, 2, 3, 4, 5, 6]
@@ -60,7 +61,7 @@ def test_user_data_that_are_no_text_stay_numbers(tmp_path: Path) -> None:
     matrix = np.arange(6, dtype=np.float32).reshape(2, 3)
     reader = changed(tmp_path / "map.db", ("UPDATE Data SET user_data = ? WHERE id = 1", (z(matrix, 5),)))
     found = reader.sensors(1)
-    assert found.user_text is None
+    assert text_in(found.user_data) is None
     np.testing.assert_array_equal(found.user_data, matrix)
 
 

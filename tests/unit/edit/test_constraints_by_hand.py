@@ -15,7 +15,7 @@ import pytest
 from slam.database import JournalEntry, MapReader, MapWriter
 from slam.edit.covariances import weighing
 from slam.edit.detect import detect_more
-from slam.edit.nodes import labelling_many
+from slam.edit.nodes import labelling
 from slam.edit.priors import placing, prior_of
 from slam.edit.views import StoredViews
 from slam.edit.wishes import CovarianceEdit, Detection, PriorEdit
@@ -86,7 +86,7 @@ EDITS = {
     "neighbours": lambda review, _: weights(review, types=(LinkType.NEIGHBOR,)),
     "loops": lambda review, _: weights(review, types=(LinkType.GLOBAL_CLOSURE,), first=2),
     "landmarks": lambda review, _: weights(review, types=(LinkType.LANDMARK,)),
-    "labels": lambda review, reader: labelling_many(review.graph, reader, [7, 3, 9], "door", "ann"),
+    "labels": lambda review, reader: labelling(review.graph, reader, [7, 3, 9], "door", "ann"),
 }
 
 
@@ -187,15 +187,15 @@ def test_a_detection_that_could_find_nothing_is_refused(opened: Opened) -> None:
 
 def test_labels_of_many_are_numbered_taken_away_and_never_given_twice(opened: Opened) -> None:
     review, reader, _ = opened
-    review.change(labelling_many(review.graph, reader, [7, 3, 9], "door", ""))
+    review.change(labelling(review.graph, reader, [7, 3, 9], "door", ""))
     labels = {i: label for i, label in zip(reader.nodes().ids.tolist(), reader.nodes().labels, strict=True) if label}
     assert labels == {1: "map0", 3: "door 1", 7: "door 2", 9: "door 3"}
     with pytest.raises(DecisionError, match="node 3 has it"):
-        labelling_many(review.graph, reader, [4, 5], "door", "")
-    review.change(labelling_many(review.graph, reader, [1, 3, 7], "", ""))
+        labelling(review.graph, reader, [4, 5], "door", "")
+    review.change(labelling(review.graph, reader, [1, 3, 7], "", ""))
     assert [label for label in reader.nodes().labels if label] == ["door 3"]
     with pytest.raises(DecisionError, match="these 2 nodes have no label"):
-        labelling_many(review.graph, reader, [1, 2], " ", "")
+        labelling(review.graph, reader, [1, 2], " ", "")
 
 
 def test_a_single_position_moves_the_map_and_turns_nothing(opened: Opened) -> None:

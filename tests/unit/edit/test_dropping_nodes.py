@@ -114,7 +114,7 @@ def test_labels_are_given_once_changed_taken_away_and_undone(opened: tuple[Revie
     review, reader = opened
 
     def label(node_id: int, text: str) -> None:
-        review.change([labelling(review.graph, reader, node_id, text, "ann")])
+        review.change(labelling(review.graph, reader, [node_id], text, "ann"))
 
     def stored(node_id: int) -> str:
         return reader.node(node_id).label or ""

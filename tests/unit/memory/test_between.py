@@ -10,7 +10,7 @@ import pytest
 
 from slam.database import MapReader, MapWriter
 from slam.graph.graph import PoseGraph
-from slam.loop.transition import transition_matrix
+from slam.loop.transition import Transition
 from slam.memory.past import recall
 from slam.params import Params
 from slam.run import ate_rmse_m
@@ -70,7 +70,7 @@ def test_belief_passes_over_them() -> None:
     over = chain(23)
     over.between |= set(range(2, 23, 2))
     np.testing.assert_array_equal(
-        transition_matrix(list(range(1, 24, 2)), over, params), transition_matrix(list(range(1, 13)), plain, params)
+        Transition().update(list(range(1, 24, 2)), over, params), Transition().update(list(range(1, 13)), plain, params)
     )
     assert {i for i in over.within(11, 2) if i % 2} == {7, 9, 11, 13, 15}
     assert dict(over.places_beside(11)).keys() == {9, 13}
