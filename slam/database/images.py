@@ -15,6 +15,8 @@ JPEG_QUALITY = 95
 #: First bytes of a depth image in RVL.
 RVL_MAGIC = b"DEPTHRVL"
 _MM_PER_M = np.float32(1000.0)
+#: What sensors store, as they store 0, where nothing was measured.
+_UNKNOWN_MM = np.iinfo(np.uint16).max
 
 
 def encode_color(image_bgr: NDArray[np.uint8], extension: str) -> bytes:
@@ -35,11 +37,11 @@ def decode_color(blob: bytes) -> NDArray[np.uint8]:
 def encode_depth(depth_m: NDArray[np.float32], extension: str) -> bytes:
     """Bytes of a depth image (H, W) in metres, as 16-bit millimetres, by ``Mem/DepthCompressionFormat``.
 
-    What is not finite, not positive or beyond 65.535 m becomes 0, unknown.
+    What is not finite, not positive or from 65.535 m on becomes 0, unknown.
     """
     with np.errstate(invalid="ignore"):
         mm = np.rint(depth_m * _MM_PER_M)
-        known = (mm > 0) & (mm <= np.iinfo(np.uint16).max)
+        known = (mm > 0) & (mm < _UNKNOWN_MM)
     depth_mm = np.where(known, mm, 0).astype(np.uint16)
     if extension != ".rvl":
         return _encoded(extension, depth_mm, [])
@@ -57,7 +59,7 @@ def decode_depth(blob: bytes) -> NDArray[np.float32]:
     """
     raw = _decoded_rvl(blob) if blob.startswith(RVL_MAGIC) else _decoded(blob, cv2.IMREAD_UNCHANGED, "depth")
     if raw.dtype == np.uint16 and raw.ndim == 2:
-        return np.asarray(raw.astype(np.float32) / _MM_PER_M)
+        return np.asarray(np.where(raw == _UNKNOWN_MM, np.uint16(0), raw).astype(np.float32) / _MM_PER_M)
     if raw.dtype == np.uint8 and raw.ndim == 3 and raw.shape[2] == 4:
         # OpenCV holds blue, green, red, alpha in memory: these four bytes are one little-endian float.
         metres = np.ascontiguousarray(raw).view("<f4")[..., 0]

@@ -14,6 +14,8 @@ from slam.errors import SourceError
 _PNG = b"\x89PNG\r\n\x1a\n"
 _JPEG = b"\xff\xd8\xff"
 _JPEG_END = b"\xff\xd9"
+#: A stored depth that is no depth, as 0 is none.
+_UNKNOWN = np.iinfo(np.uint16).max
 
 
 def read_color(path: Path) -> NDArray[np.uint8]:
@@ -29,7 +31,9 @@ def read_color(path: Path) -> NDArray[np.uint8]:
 
 
 def read_depth(path: Path) -> NDArray[np.uint16]:
-    """Depth image (H, W) uint16 as stored.
+    """Depth image (H, W) uint16 as stored, 0 where nothing was measured.
+
+    Sensors also mark that by the largest value, 65535; a measurement that high would be one that is cut off there.
 
     Raises:
         SourceError: the file is absent, cut short or damaged, or not one channel of 16 bits.
@@ -43,6 +47,7 @@ def read_depth(path: Path) -> NDArray[np.uint16]:
             f"{path}: has {channels} channel(s) of {8 * image.dtype.itemsize} bits; "
             "depth is a PNG with one channel of 16 bits"
         )
+    image[image == _UNKNOWN] = 0
     return np.asarray(image, dtype=np.uint16)
 
 

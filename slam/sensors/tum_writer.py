@@ -66,7 +66,7 @@ def _write_frame(frame: Frame, folder: Path, lists: _Lists) -> None:
     stamp = f"{frame.stamp:.6f}"
     color, depth = f"rgb/{stamp}.jpg", f"depth/{stamp}.png"
     steps = np.rint(frame.depth_m * DEPTH_FACTOR)
-    stored = np.where(steps <= np.iinfo(np.uint16).max, steps, 0).astype(np.uint16)
+    stored = np.where(steps < np.iinfo(np.uint16).max, steps, 0).astype(np.uint16)
     (folder / color).write_bytes(_encoded(".jpg", frame.image_bgr, [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY]))
     (folder / depth).write_bytes(_encoded(".png", stored, [cv2.IMWRITE_PNG_COMPRESSION, 4]))
     lists.add("rgb.txt", f"{stamp} {color}")

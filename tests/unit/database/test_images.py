@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import cv2
 import numpy as np
 import pytest
 
+from slam.database.depth_codec import encode_rvl
 from slam.database.images import decode_color, decode_depth, encode_color, encode_depth
 from slam.errors import DatabaseError
 
@@ -27,12 +30,18 @@ def test_grey_images_are_read_as_colour() -> None:
 
 @pytest.mark.parametrize("extension", [".rvl", ".png"])
 def test_depth_is_kept_to_the_millimetre_and_the_rest_is_unknown(extension: str) -> None:
-    depth_m = np.array([[0.0, 1.2344, 65.535, 65.54], [np.nan, np.inf, -1.0, 0.0004]], dtype=np.float32)
-    expected = np.array([[0.0, 1.234, 65.535, 0.0], [0.0, 0.0, 0.0, 0.0]], dtype=np.float32)
+    depth_m = np.array([[0.0, 1.2344, 65.534, 65.535], [np.nan, np.inf, -1.0, 0.0004]], dtype=np.float32)
+    expected = np.array([[0.0, 1.234, 65.534, 0.0], [0.0, 0.0, 0.0, 0.0]], dtype=np.float32)
     found = decode_depth(encode_depth(depth_m, extension))
     assert found.dtype == np.float32
     np.testing.assert_array_equal(found, expected)
     assert encode_depth(depth_m, extension) == encode_depth(found, extension)
+
+
+@pytest.mark.parametrize("encode", [encode_rvl, lambda mm: cv2.imencode(".png", mm)[1].tobytes()])
+def test_the_largest_value_of_foreign_files_is_unknown(encode: Callable[[np.ndarray], bytes]) -> None:
+    depth_mm = np.array([[65_535, 65_534], [0, 1_500]], dtype=np.uint16)
+    np.testing.assert_array_equal(decode_depth(encode(depth_mm)), np.array([[0, 65.534], [0, 1.5]], np.float32))
 
 
 def test_float_png_is_read_as_metres() -> None:

@@ -27,6 +27,12 @@ def test_depth_comes_back_bit_for_bit(tmp_path: Path) -> None:
     assert np.array_equal(read_depth(path), DEPTH)
 
 
+def test_the_largest_depth_is_none(tmp_path: Path) -> None:
+    path = tmp_path / "depth.png"
+    path.write_bytes(encoded(".png", np.array([[65_535, 65_534, 0]], dtype=np.uint16)))
+    assert read_depth(path).tolist() == [[0, 65_534, 0]]
+
+
 def test_grey_images_become_colour(tmp_path: Path) -> None:
     path = tmp_path / "grey.png"
     path.write_bytes(encoded(".png", COLOR[..., 0]))
