@@ -59,7 +59,7 @@ from server.updates import update_message
 from slam.database.file_check import is_writable
 from slam.errors import SlamError
 from slam.params import Effect as TakesEffect
-from slam.params import Value, spec
+from slam.params import Params, Value, spec
 from slam.review import Effect
 from slam.tools.parameters import taken
 
@@ -151,7 +151,8 @@ class Services:
         """Give a node a prior, change or remove it, or say what that would do."""
         command = EditPrior(wanted_prior(node_id, prior, _author(prior.author)), prior.preview)
         effect = await self._ask(view, command)
-        return self._decided(view, effect, _PRIORS_IGNORED if self.ignores_priors(view) else "")
+        counts = any(entry.setting is not None for entry in effect.entries) or not self.ignores_priors(view)
+        return self._decided(view, effect, "" if counts else _PRIORS_IGNORED)
 
     def ignores_priors(self, view: MapView) -> bool:
         """Whether no prior moves anything, in the engine that makes the map or by the map's own parameters."""
@@ -237,10 +238,17 @@ class Services:
 
     def _decided(self, view: MapView, effect: Effect, note: str = "") -> DecisionResult:
         """What a decision did; everybody is told."""
+        settings = [entry.setting for entry in effect.entries if entry.setting is not None]
+        note = "; ".join(
+            [note] * bool(note) + [f"{one.name} goes from {one.before} to {one.after}" for one in settings]
+        )
         if effect.preview:
             return decision_result(effect, None, note)
         result = decision_result(effect, self._graph_changed(view.file.id), note)
         self.hub.publish("decision", view.file.id, result.model_dump(by_alias=True))
+        if settings and self.session.live_map != view.file.id:
+            now = Params().changed({one.name: one.after for one in settings})
+            self.hub.publish("parameters", view.file.id, {one.name: now.get(one.name) for one in settings})
         return result
 
     async def close(self) -> None:

@@ -49,6 +49,10 @@ class DecisionReader(Protocol):
         """All loops that were looked at, oldest first."""
         ...
 
+    def poses_before(self, number: int) -> Mapping[int, Pose] | None:
+        """Id -> pose before the decision whose first entry is ``number``, None unless it left the poses of now."""
+        ...
+
 
 class DecisionWriter(Protocol):
     """What a review asks of the one writer of a map file."""
@@ -217,13 +221,14 @@ class Review:
     def undo(self, author: str = "", *, preview: bool = False) -> Effect:
         """Take back the last decision that stands, to the last bit where the map hasn't changed since.
 
-        Decisions made together are taken back together.
+        After a restart the poses are those that the file had, to the last bit too. Decisions made together are taken
+        back together.
 
         Raises:
             DecisionError: no decision stands, or the map has changed so that it can't be taken back.
         """
         steps = self._history.to_undo()
-        return self._carry_out([undoing(step, author) for step in steps], steps[0], preview=preview)
+        return self._carry_out([undoing(step, author) for step in steps], steps, preview=preview)
 
     def redo(self, author: str = "", *, preview: bool = False) -> Effect:
         """Do again what was undone last.
@@ -232,12 +237,12 @@ class Review:
             DecisionError: nothing was undone since the last decision, or the map has changed.
         """
         steps = self._history.to_redo()
-        return self._carry_out([redoing(step, author) for step in steps], steps[0], preview=preview)
+        return self._carry_out([redoing(step, author) for step in steps], steps, preview=preview)
 
     def _carry_out(
         self,
         entries: Sequence[JournalEntry],
-        step: Step | None = None,
+        steps: Sequence[Step] = (),
         refused: tuple[Unsaid, ...] = (),
         *,
         preview: bool = False,
@@ -250,10 +255,10 @@ class Review:
                 " makes it holds in its memory: stop the run first"
             )
         poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
-        known = step.there if step is not None and step.here is not None and step.here.same(poses) else None
+        known, params = self._there(steps, entries), self._params_of(entries)
         was = self._chi2(), self._ate_at(poses)
         try:
-            with self._change(entries, known, keep=not preview) as separated:
+            with self._change(entries, params, known, keep=not preview) as separated:
                 now = was if self.graph.poses is poses else (self._chi2(), self._ate_at(self.graph.poses))
                 effect = _effect(was, now, Shift.between(poses, self.graph.poses), separated, refused, preview=preview)
                 entries = [_with_effect(entry, effect) for entry in entries]
@@ -263,13 +268,33 @@ class Review:
             what = f"{entries[0].action} {_named(entries)}"
             raise DecisionError(f"{what} is not possible: {error}") from error
         if not preview:
+            self.params = params
             after = Snapshot.of(self.graph.poses)
             for entry in entries:
                 self._history.record(entry, before, after)
         return replace(effect, entries=tuple(entries))
 
+    def _there(self, steps: Sequence[Step], entries: Sequence[JournalEntry]) -> Snapshot | None:
+        """The poses that undo or redo leads to: as they are remembered, else as the file has them; None without."""
+        if not steps:
+            return None
+        step = steps[0]
+        if step.here is not None and step.here.same(self.graph.poses):
+            return step.there
+        stored = self._reader.poses_before(min(one.undo_id or one.entry.id for one in steps))
+        restore, drop = _nodes(entries)
+        ids = [i for i in (*self.graph.poses, *(node.node_id for node in restore)) if i not in drop]
+        if stored is None or any(i not in stored for i in ids):
+            return None
+        return Snapshot.of({i: stored[i] for i in ids})
+
+    def _params_of(self, entries: Sequence[JournalEntry]) -> Params:
+        """The parameters that hold once these entries are carried out."""
+        changes = {entry.setting.name: entry.setting.after for entry in entries if entry.setting is not None}
+        return self.params.changed(changes) if changes else self.params
+
     def _change(
-        self, entries: Sequence[JournalEntry], there: Snapshot | None, *, keep: bool
+        self, entries: Sequence[JournalEntry], params: Params, there: Snapshot | None, *, keep: bool
     ) -> AbstractContextManager[int]:
         (add, remove), (restore, drop) = _links(entries), _nodes(entries)
         if not (add or remove or restore or drop):
@@ -278,7 +303,7 @@ class Review:
             self.graph,
             [link.pair for link in remove if _joins(link)],
             [link for link in add if _joins(link)],
-            self.params,
+            params,
             there,
             keep=keep,
             drop=drop,

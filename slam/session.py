@@ -92,6 +92,10 @@ class Session:
         self._recorder.params_changed(self._maker.newest_id, changes, params)
         return params
 
+    def params_decided(self, params: Params) -> None:
+        """A decision changed parameters, which the file knows already: they hold from the next frame on."""
+        self.params = params
+
     def poses_changed(self) -> None:
         """Somebody moved the graph's poses (a decision): the grid follows, and is stored."""
         self._tiers.restrict()

@@ -93,6 +93,7 @@ def _entry(action: str, before: Link | None, after: Link | None, author: str) ->
 def _answer(
     action: str, decision: JournalEntry, undoes: int, before: Link | None, after: Link | None, author: str
 ) -> JournalEntry:
+    node, setting = decision.node, decision.setting
     return JournalEntry(
         action=action,
         from_id=decision.from_id,
@@ -101,5 +102,6 @@ def _answer(
         link_before=before,
         link_after=after,
         undoes=undoes,
-        node=None if decision.node is None else decision.node if action == "redo" else decision.node.reversed(),
+        node=node if node is None or action == "redo" else node.reversed(),
+        setting=setting if setting is None or action == "redo" else setting.reversed(),
     )

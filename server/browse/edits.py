@@ -37,7 +37,8 @@ def wanted_edit(body: LinkEditBody, author: str) -> LinkEdit:
 def wanted_prior(node_id: int, body: NodePrior, author: str) -> PriorEdit:
     """What the engine is asked for."""
     sigmas = None if body.sigmas is None else _sigmas(body.sigmas)
-    return PriorEdit(node_id=node_id, T_map_base=_typed(body.transform), sigmas=sigmas, author=author)
+    T_map_base = _typed(body.transform)
+    return PriorEdit(node_id=node_id, T_map_base=T_map_base, sigmas=sigmas, count=body.count, author=author)
 
 
 def wanted_covariances(body: Covariances, author: str) -> CovarianceEdit:

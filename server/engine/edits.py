@@ -37,7 +37,7 @@ class Edits:
     def _entries(self, command: DropNodes | LabelNodes | EditPrior | EditCovariances) -> list[JournalEntry]:
         graph, reader = self._review.graph, self._reader
         if isinstance(command, EditPrior):
-            return [placing(graph, command.edit)]
+            return [placing(graph, self._review.params, command.edit)]
         if isinstance(command, EditCovariances):
             return weighing(graph, command.edit)
         if isinstance(command, DropNodes):

@@ -168,10 +168,19 @@ class Runner:
 
     def _done(self, slam: Slam, request: Request, answer: Outcome | Effect, *, preview: bool) -> None:
         if not preview:
+            self._settings_changed(slam)
             slam.poses_changed()
         self._channel.answer(request, answer)
         if not preview:
             self._channel.send(GraphChanged())
+
+    def _settings_changed(self, slam: Slam) -> None:
+        """Go on with the parameters that a decision changed with the map."""
+        before, now = dict(slam.params.items()), dict(self._review.params.items())
+        changed = {name: value for name, value in now.items() if value != before[name]}
+        if changed:
+            slam.params_decided(self._review.params)
+            self._channel.send(InForce(changed))
 
     def _progress(self, slam: Slam) -> None:
         self._told = time.monotonic()

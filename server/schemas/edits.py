@@ -135,6 +135,8 @@ class NodePrior(Schema):
     """x y z in metres, roll pitch yaw in degrees, map frame; null takes the prior away."""
     sigmas: Six | None = None
     """Of the same axes, in the frame of the node; three zeros for the angles: only the position is known."""
+    count: bool = False
+    """Switch ``Optimizer/PriorsIgnored`` off where it is on, so that priors move poses; undo switches it on again."""
     author: Author = ""
     preview: bool = False
 

@@ -39,11 +39,8 @@ def read_version(connection: Connection) -> str:
 
 def write_poses(connection: Connection, poses_map_base: Mapping[int, Pose], last: Pose | None) -> None:
     """Replace the optimised poses T_map_base; ``last`` is where the robot is now (None leaves what is stored)."""
-    ids = sorted(poses_map_base)
-    values = {
-        "opt_ids": pack_matrix(np.array([ids], dtype=np.int32), level=_STORED),
-        "opt_poses": pack_matrix(pack_transforms([poses_map_base[i] for i in ids]), level=_STORED),
-    }
+    ids, poses = packed_poses(poses_map_base)
+    values = {"opt_ids": ids, "opt_poses": poses}
     if last is not None:
         values["opt_last_localization"] = pack_transform(last)
     connection.execute(update(admin).values(values))
@@ -52,12 +49,24 @@ def write_poses(connection: Connection, poses_map_base: Mapping[int, Pose], last
 def read_poses(connection: Connection) -> dict[int, Pose]:
     """Optimised poses T_map_base by node id (landmarks negative); empty when none are stored."""
     row = connection.execute(select(admin.c.opt_ids, admin.c.opt_poses)).one()
-    ids, poses = unpack_matrix(row.opt_ids), unpack_matrix(row.opt_poses)
+    return unpacked_poses(row.opt_ids, row.opt_poses, admin.name)
+
+
+def packed_poses(poses_map_base: Mapping[int, Pose]) -> tuple[bytes | None, bytes | None]:
+    """Ids and poses as two matrices, by their ids, in single precision; None of no pose."""
+    ids = sorted(poses_map_base)
+    poses = pack_transforms([poses_map_base[i] for i in ids])
+    return pack_matrix(np.array([ids], dtype=np.int32), level=_STORED), pack_matrix(poses, level=_STORED)
+
+
+def unpacked_poses(packed_ids: bytes | None, packed: bytes | None, table: str) -> dict[int, Pose]:
+    """What ``packed_poses`` packed; DatabaseError names the table where both don't fit."""
+    ids, poses = unpack_matrix(packed_ids), unpack_matrix(packed)
     if ids is None or poses is None:
         return {}
     if poses.size != 12 * ids.size:
         raise DatabaseError(
-            f"Admin has {ids.size} ids and {poses.size} numbers of poses, not 12 for each: the file is damaged"
+            f"{table} has {ids.size} ids and {poses.size} numbers of poses, not 12 for each: the file is damaged"
         )
     with np.errstate(over="ignore"):
         stack = stack_rows(poses.astype(np.float32).ravel())

@@ -10,10 +10,13 @@ from sqlalchemy import Connection
 from slam.database.admin_rows import clear_derived
 from slam.database.candidate_rows import insert_candidates
 from slam.database.journal_rows import append_together
-from slam.database.link_rows import insert_link, remove_link, update_information
+from slam.database.link_rows import update_information
 from slam.database.node_record import KnownIds
-from slam.database.pose_rows import replace_poses
+from slam.database.parameter_rows import change_parameters, log_parameters
+from slam.database.pose_rows import read_poses, replace_poses
+from slam.database.poses_before import insert_poses_before
 from slam.database.records import JournalEntry
+from slam.database.removed_links import put_in, take_out
 from slam.geometry import Pose
 from slam.types import Candidate, Link
 
@@ -26,22 +29,34 @@ def write_decision(
     remove: Sequence[tuple[int, int]],
     poses: Mapping[int, Pose],
     candidates: Sequence[Candidate] = (),
+    *,
+    in_session: bool = False,
 ) -> list[int]:
-    """Journal, nodes, links, candidates, poses; what was made from the old graph goes. Returns the entries' numbers."""
+    """Journal, nodes, links, candidates, poses, parameters; what was made from the old graph goes.
+
+    A session that runs (``in_session``) writes its parameters when it ends: until then a change is logged alone.
+    Returns the entries' numbers.
+    """
     numbers = append_together(connection, entries)
     # Rows whose transforms stay are not made anew: both directions keep every bit, and what else they hold.
     weighed = _weighed(entries)
     for from_id, to_id in remove:
         if (from_id, to_id) not in weighed:
-            remove_link(connection, from_id, to_id)
+            take_out(connection, numbers[0], from_id, to_id)
     for link in add:
         known.check_link(link)
         if (link.from_id, link.to_id) in weighed:
             update_information(connection, link)
         else:
-            insert_link(connection, link)
+            put_in(connection, numbers[0], link)
     if poses:
+        insert_poses_before(connection, numbers[0], read_poses(connection), poses)
         replace_poses(connection, poses, None)
+    settings = {entry.setting.name: entry.setting.after for entry in entries if entry.setting is not None}
+    if settings and in_session:
+        log_parameters(connection, settings)
+    elif settings:
+        change_parameters(connection, settings)
     for item in candidates:
         insert_candidates(connection, max(item.from_id, item.to_id), [item])
     if add or remove or any(entry.node is not None and entry.node.drops for entry in entries):

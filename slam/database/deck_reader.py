@@ -8,9 +8,12 @@ from slam.database.deck_values import CandidateRow, LostFrame, ParameterChange, 
 from slam.database.faults import Faults
 from slam.database.file_reader import FileReader
 from slam.database.frame_rows import read_frames, read_lost_frames
+from slam.database.guard import LARGE_VALUE
 from slam.database.journal_rows import read_journal
 from slam.database.parameter_rows import read_parameter_changes
+from slam.database.poses_before import read_poses_before
 from slam.database.records import JournalEntry
+from slam.geometry import Pose
 from slam.types import Posterior, TrackedFrame
 
 
@@ -54,6 +57,14 @@ class DeckReader(FileReader):
         """People's decisions, oldest first."""
         with self._deck("reading the journal") as connection:
             return read_journal(connection, faults) if connection else []
+
+    def poses_before(self, number: int) -> dict[int, Pose] | None:
+        """T_map_base by node id before the decision whose first entry is ``number``.
+
+        None where they are not kept (any more), or the poses of now are not those that it left.
+        """
+        with self._deck("reading the poses before a decision", LARGE_VALUE) as connection:
+            return read_poses_before(connection, number) if connection else None
 
     def parameter_changes(self, faults: Faults | None = None) -> list[ParameterChange]:
         """Parameters changed while an engine ran, oldest first."""

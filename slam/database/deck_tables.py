@@ -143,6 +143,40 @@ node_change = Table(
     Column("T_map_base", LargeBinary, nullable=False),
 )
 
+#: The parameter that an entry of the journal changed with the map.
+setting_change = Table(
+    "deck_setting_change",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("name", Text, nullable=False),
+    Column("before", Text, nullable=False),
+    Column("after", Text, nullable=False),
+)
+
+#: Rows of Link that a decision removed, as they were; ``number`` is its first entry.
+removed_link = Table(
+    "deck_removed_link",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("number", Integer, nullable=False),
+    Column("from_id", Integer, nullable=False),
+    Column("to_id", Integer, nullable=False),
+    Column("type", Integer, nullable=False),
+    Column("information_matrix", LargeBinary, nullable=False),
+    Column("transform", LargeBinary),
+    Column("user_data", LargeBinary),
+)
+
+#: All poses before a decision, as Admin has them, and the digest of those after it; ``id`` is its first entry.
+poses_before = Table(
+    "deck_poses_before",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("ids", LargeBinary, nullable=False),
+    Column("poses", LargeBinary, nullable=False),
+    Column("after", Text, nullable=False),
+)
+
 parameter_change = Table(
     "deck_parameter_change",
     metadata,

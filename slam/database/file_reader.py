@@ -44,8 +44,8 @@ class FileReader:
             yield connection
 
     @contextmanager
-    def _deck(self, doing: str) -> Iterator[Connection | None]:
-        with self._reading(doing) as connection:
+    def _deck(self, doing: str, largest: int = SMALL_VALUE) -> Iterator[Connection | None]:
+        with self._reading(doing, largest) as connection:
             yield connection if has_deck_tables(connection) else None
 
 

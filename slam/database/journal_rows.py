@@ -14,6 +14,7 @@ from slam.database.deck_tables import decision, journal
 from slam.database.faults import Faults, each_sound, link_type_of, number_of, text_of, whole_of
 from slam.database.node_change_rows import read_changes, write_change
 from slam.database.records import JournalEntry
+from slam.database.setting_rows import insert_setting, read_settings
 from slam.errors import DatabaseError
 from slam.types import Link
 
@@ -69,6 +70,8 @@ def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> 
     for number, entry in zip(numbers, entries, strict=True):
         if entry.node is not None:
             write_change(connection, number, entry.node)
+        if entry.setting is not None:
+            insert_setting(connection, number, entry.setting)
     return numbers
 
 
@@ -77,9 +80,9 @@ def read_journal(connection: Connection, faults: Faults | None = None) -> list[J
 
     Rows that make no sense go to ``faults``.
     """
-    changes = read_changes(connection)
+    changes, settings = read_changes(connection), read_settings(connection, faults)
     entries = [
-        replace(entry, node=changes.get(entry.id))
+        replace(entry, node=changes.get(entry.id), setting=settings.get(entry.id))
         for entry in each_sound(journal.name, connection.execute(_all(connection)), _entry, faults)
     ]
     undone_by: dict[int, int] = {}

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, delete, func, select, text, true, update
+from sqlalchemy import ColumnElement, Connection, Table, delete, func, select, text, update
 
 from slam.database.blobs import (
     INFORMATION_BYTES,
@@ -58,15 +58,17 @@ def insert_link(connection: Connection, item: Link) -> None:
 
 def remove_link(connection: Connection, from_id: int, to_id: int) -> None:
     """Remove the link between two nodes, in both directions, or the prior of one; DatabaseError when there is none."""
-    pairs = [(from_id, to_id), (to_id, from_id)]
-    # Gravity is a link of a node to itself as well: it was measured, and nobody takes it away.
-    meant = (link.c.type == int(LinkType.POSE_PRIOR)) if from_id == to_id else true()
-    removed = sum(
-        connection.execute(delete(link).where((link.c.from_id == a) & (link.c.to_id == b) & meant)).rowcount
-        for a, b in pairs
-    )
-    if not removed:
+    if not connection.execute(delete(link).where(that_joins(link, from_id, to_id))).rowcount:
         raise DatabaseError(f"link {from_id}-{to_id} can't be removed: the map has none between these nodes")
+
+
+def that_joins(table: Table, from_id: int, to_id: int) -> ColumnElement[bool]:
+    """The rows of a table of links that are between two nodes, in both directions, or the prior of one."""
+    forth = (table.c.from_id == from_id) & (table.c.to_id == to_id)
+    if from_id == to_id:
+        # Gravity is a link of a node to itself as well: it was measured, and nobody takes it away.
+        return forth & (table.c.type == int(LinkType.POSE_PRIOR))
+    return forth | ((table.c.from_id == to_id) & (table.c.to_id == from_id))
 
 
 def update_information(connection: Connection, item: Link) -> None:

@@ -37,13 +37,18 @@ def change_parameters(connection: Connection, changes: Mapping[str, str]) -> Non
     known = read_parameters(connection)
     text = format_parameters({**known, **changes})
     connection.exec_driver_sql("UPDATE Info SET parameters = ? WHERE rowid = ?", (text, row))
-    node_id = connection.scalar(select(func.max(node.c.id))) or 0
     if connection.scalar(select(session.c.map_id).limit(1)) is None:
         # Other programs keep the values of a session nowhere else.
         logged = set(connection.scalars(select(parameter_change.c.name)))
         for name in changes:
             if name in known and name not in logged:
                 insert_parameter_change(connection, 0, name, known[name])
+    log_parameters(connection, changes)
+
+
+def log_parameters(connection: Connection, changes: Mapping[str, str]) -> None:
+    """Log that parameters have other values after the newest node."""
+    node_id = connection.scalar(select(func.max(node.c.id))) or 0
     for name, value in changes.items():
         insert_parameter_change(connection, node_id, name, value)
 

@@ -149,6 +149,19 @@ class NodeChange:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class SettingChange:
+    """A parameter that a decision changed, with its text before and after."""
+
+    name: str
+    before: str
+    after: str
+
+    def reversed(self) -> SettingChange:
+        """What takes it back."""
+        return SettingChange(self.name, self.after, self.before)
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JournalEntry:
     """One decision of a person, with the link before and after, so that it can be undone and attributed.
@@ -175,6 +188,7 @@ class JournalEntry:
         ate_after: the same after.
         batch: id of the first entry of those that were decided together, None for one alone; given by the file.
         node: what it did to a node, for edits of nodes.
+        setting: the parameter that it changed with the map, None for most.
     """
 
     action: str
@@ -196,6 +210,7 @@ class JournalEntry:
     ate_after: float | None = None
     batch: int | None = None
     node: NodeChange | None = None
+    setting: SettingChange | None = None
 
     @property
     def pair(self) -> tuple[int, int]:

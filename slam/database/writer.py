@@ -217,7 +217,13 @@ class MapWriter:
         named = ", ".join(f"{entry.from_id}-{entry.to_id}" for entry in entries[:_NAMED])
         more = f" and {len(entries) - _NAMED} more" if len(entries) > _NAMED else ""
         with self._transaction(f"deciding about link {named}{more}") as connection:
-            return write_decision(connection, self._known, entries, add, remove, poses, candidates)
+            running = self._map_id is not None
+            numbers = write_decision(
+                connection, self._known, entries, add, remove, poses, candidates, in_session=running
+            )
+        settings = {entry.setting.name: entry.setting.after for entry in entries if entry.setting is not None}
+        self._params = self._params.changed(settings) if running else self._params
+        return numbers
 
     def parameter_change(self, node_id: int, name: str, value: Value) -> None:
         """Log that a parameter has another value from node ``node_id`` on.

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from slam.database import JournalEntry
+from slam.database import JournalEntry, SettingChange
 from slam.edit.sigmas import information_of_sigmas
 from slam.edit.wishes import PriorEdit
 from slam.errors import DecisionError
 from slam.graph.graph import PoseGraph
+from slam.params import Params
 from slam.types import Link, LinkType
+
+#: The parameter that keeps priors from moving anything.
+IGNORED = "Optimizer/PriorsIgnored"
 
 
 def prior_of(graph: PoseGraph, node_id: int) -> Link | None:
@@ -17,10 +21,11 @@ def prior_of(graph: PoseGraph, node_id: int) -> Link | None:
     return graph.constraints.get((node_id, node_id, LinkType.POSE_PRIOR))
 
 
-def placing(graph: PoseGraph, wanted: PriorEdit) -> JournalEntry:
+def placing(graph: PoseGraph, params: Params, wanted: PriorEdit) -> JournalEntry:
     """The entry that gives a node a prior, changes the one it has, or takes it away.
 
-    With ``Optimizer/PriorsIgnored`` no prior moves a pose, and whoever asks must be told so.
+    With ``Optimizer/PriorsIgnored`` no prior moves a pose, and whoever asks must be told so; where priors are to count
+    the entry switches it off, and undo switches it on again.
 
     Raises:
         DecisionError: the node is not in the map, has no prior to take away, or the numbers are none.
@@ -39,6 +44,7 @@ def placing(graph: PoseGraph, wanted: PriorEdit) -> JournalEntry:
         link_before=here,
         link_after=after,
         note="removed" if after is None else "added" if here is None else "changed",
+        setting=SettingChange(IGNORED, "true", "false") if wanted.count and params.Optimizer.PriorsIgnored else None,
     )
 
 

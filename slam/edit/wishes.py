@@ -170,10 +170,12 @@ class PriorEdit:
         node_id: the node.
         T_map_base: (4, 4) where it is; None takes the prior away.
         sigmas: (6,) as in ``LinkEdit``, in the node's own frame; three zeros for the angles make it a position alone.
+        count: let priors count from then on, where ``Optimizer/PriorsIgnored`` keeps them from it.
         author: who wants it.
     """
 
     node_id: int
     T_map_base: Pose | None = None
     sigmas: Array | None = None
+    count: bool = False
     author: str = ""

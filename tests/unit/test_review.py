@@ -56,6 +56,9 @@ class File:
     def candidates(self) -> list[Row]:
         return self.rows
 
+    def poses_before(self, number: int) -> None:
+        assert number > 0
+
     def append_decisions(
         self,
         entries: Sequence[JournalEntry],
