@@ -134,7 +134,7 @@ export const labelAsk = (nodes, label) => editAsk((path, body, signal) => post("
 /** Other covariances for many links. @param {Omit<Schemas["Covariances"], "author" | "preview">} wanted */
 export const covarianceAsk = (wanted) => editAsk((path, body, signal) => post("/api/maps/{map}/links/covariances", { path, body: { ...wanted, ...body }, signal }));
 
-/** A node's prior; null takes it away. @param {number} id @param {{transform: number[] | null, sigmas: number[] | null}} prior */
+/** A node's prior; null takes it away. @param {number} id @param {{transform: number[] | null, sigmas: number[] | null, count: boolean}} prior */
 export const priorAsk = (id, prior) => editAsk(({ map }, body, signal) => post("/api/maps/{map}/nodes/{node_id}/prior", { path: { map, node_id: id }, body: { ...prior, ...body }, signal }));
 
 /**

@@ -1,14 +1,14 @@
 // A node's pose prior by hand, and the offer to let priors count where a parameter keeps them from it.
 import { useState } from "preact/hooks";
 import { h, html } from "../html.js";
-import { deciding, priorAsk, setParameters } from "../actions.js";
+import { deciding, priorAsk } from "../actions.js";
 import { get } from "../api.js";
 import { openMapId } from "../router.js";
 import { graphRevision } from "../store.js";
 import { Button } from "./button.js";
 import { lockReason } from "./decision_bar.js";
 import { EditDialog } from "./edit_dialog.js";
-import { NumberField } from "./inputs.js";
+import { CheckField, NumberField } from "./inputs.js";
 import { useChanged, useFetched } from "./use.js";
 
 /** @typedef {import("../store.js").Schemas["NodePriorState"]} State */
@@ -26,7 +26,7 @@ export function PriorEdit({ id }) {
   </details>`;
 }
 
-/** @typedef {{prior: {transform: number[] | null, sigmas: number[] | null} | null, known: boolean}} Wanted prior: null to remove it */
+/** @typedef {{prior: {transform: number[], sigmas: number[], count: boolean} | null, known: boolean}} Wanted prior: null to remove it */
 
 /** @param {{id: number}} props */
 function Prior({ id }) {
@@ -38,7 +38,7 @@ function Prior({ id }) {
   return html`${error.value
     ? html`<p class="note" role="alert">${error.value.message}</p>`
     : data.value
-      ? h(Form, { key: JSON.stringify(data.value.transform), state: data.value, onAsk: setAsked, onDone: reload })
+      ? h(Form, { key: JSON.stringify(data.value.transform), state: data.value, onAsk: setAsked })
       : html`<p class="quiet small">Looking at the prior…</p>`}
   ${asked && h(EditDialog, { ...dialog(id, asked), onDecided: () => undefined, onClose: () => (setAsked(null), reload()) })}`;
 }
@@ -51,25 +51,25 @@ function dialog(id, { prior, known }) {
     past: () => (prior === null ? `Node ${id} has no prior any more` : `Node ${id} has this prior`),
     verb: () => (prior === null ? "Remove" : known ? "Change" : "Add"),
     kind: /** @type {"bad" | "good"} */ (prior === null ? "bad" : "good"),
-    ask: priorAsk(id, prior ?? { transform: null, sigmas: null }),
+    ask: priorAsk(id, prior ?? { transform: null, sigmas: null, count: false }),
   };
 }
 
-/** @param {{state: State, onAsk: (wanted: Wanted) => void, onDone: () => void, key?: unknown}} props */
-function Form({ state, onAsk, onDone }) {
+/** @param {{state: State, onAsk: (wanted: Wanted) => void, key?: unknown}} props */
+function Form({ state, onAsk }) {
   const known = state.transform !== null;
   const [pose, setPose] = useState(() => (state.transform ?? state.suggested).map((value) => value.toFixed(3)));
   const [sigmas, setSigmas] = useState(() => state.sigmas?.map((value) => String(Number(value.toFixed(4)))) ?? SIGMAS);
+  const [count, setCount] = useState(false);
   const locked = lockReason();
   const off = locked !== null || deciding.value;
-  const numbers = { transform: pose.map(Number), sigmas: sigmas.map(Number) };
-  const letCount = async () => void ((await setParameters({ [IGNORED]: false })) && onDone());
+  const numbers = { transform: pose.map(Number), sigmas: sigmas.map(Number), count: count && state.ignored };
   return html`<div class="link-form">
     <p class="small quiet">${known ? "This node has a prior: it says where the node is in the map." : "This node has no prior. One would say where the node is in the map; it begins where the node is now."}</p>
     ${state.ignored &&
-    html`<div class="note form-row" id="priors-ignored">
-      <span class="grow"><b>${IGNORED}</b> is on: a prior is stored, but moves no pose.</span>
-      ${h(Button, { id: "priors-count", label: "Let priors count", hint: locked ?? `Switch ${IGNORED} off for this map; poses follow with the next prior that is set`, disabled: off, onClick: () => void letCount() })}
+    html`<div class="note" id="priors-ignored">
+      <b>${IGNORED}</b> is on: a prior is stored, but moves no pose.
+      ${h(CheckField, { label: "Let priors count", hint: `Switch ${IGNORED} off with this prior, for all priors of the map; undo switches it on again`, on: count, onChange: setCount })}
     </div>`}
     ${axes("Pose in the map", pose, setPose)} ${axes("Sigma of each; three 0 for the angles: only the position is known", sigmas, setSigmas)}
     <div class="form-row">

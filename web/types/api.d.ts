@@ -2577,6 +2577,12 @@ export interface components {
              */
             author: string;
             /**
+             * Count
+             * @description Switch ``Optimizer/PriorsIgnored`` off where it is on, so that priors move poses; undo switches it on again.
+             * @default false
+             */
+            count: boolean;
+            /**
              * Preview
              * @default false
              */

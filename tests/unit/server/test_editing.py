@@ -205,6 +205,33 @@ def test_a_prior_is_offered_ignored_switched_on_and_taken_back(tour: RunningApp,
     }
 
 
+def test_letting_priors_count_is_part_of_the_prior_and_undone_with_it(tour: RunningApp, reader: MapReader) -> None:
+    poses = reader.poses()
+
+    def ignored() -> bool:
+        seen = {one["name"]: one["value"] for one in tour.get("/api/maps/tour/parameters").json()["parameters"]}
+        state = tour.get("/api/maps/tour/nodes/40/prior").json()["ignored"]
+        assert state == seen["Optimizer/PriorsIgnored"] == (reader.parameters()["Optimizer/PriorsIgnored"] == "true")
+        return bool(state)
+
+    here = tour.get("/api/maps/tour/nodes/40/prior").json()["suggested"]
+    wanted = {"transform": [*here[:2], here[2] + 0.5, *here[3:]], "sigmas": [0.01] * 3 + [0.5] * 3, "count": True}
+    switched = "Optimizer/PriorsIgnored goes from true to false"
+    seen = post(tour, "nodes/40/prior", **wanted, preview=True).json()
+    assert seen["note"] == switched and seen["effect"]["max_shift_m"] > 0.2 and ignored()
+    done = post(tour, "nodes/40/prior", **wanted).json()
+    assert done["effect"]["max_shift_m"] == seen["effect"]["max_shift_m"] and done["note"] == switched and not ignored()
+    # Once they count there is nothing to switch.
+    assert post(tour, "nodes/41/prior", **wanted).json()["note"] == ""
+    post(tour, "decisions", action="undo")
+    assert not ignored()
+    undone = post(tour, "decisions", action="undo").json()
+    assert undone["note"] == "Optimizer/PriorsIgnored goes from false to true" and ignored()
+    now = reader.poses()
+    assert now.keys() == poses.keys() and all(np.array_equal(now[i], poses[i]) for i in poses)
+    assert post(tour, "decisions", action="redo").json()["note"] == switched and not ignored()
+
+
 def test_covariances_of_many_links_and_labels_of_many_nodes_are_one_undo_each(
     tour: RunningApp, reader: MapReader
 ) -> None:

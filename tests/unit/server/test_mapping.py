@@ -20,6 +20,7 @@ from tests.unit.server.running import RunningApp, StartApp
 #: The engine compiles itself when it first runs on a machine, which a busy one takes long for.
 pytestmark = pytest.mark.timeout(600)
 
+IGNORED = "Optimizer/PriorsIgnored"
 TOUR = "tour:fps=5,width=320,height=240,frames=120"
 
 
@@ -111,7 +112,12 @@ def test_links_labels_and_priors_are_edited_while_the_map_is_made_and_nodes_stay
     assert post("nodes/2/label", label="door").status_code == 200
     linked = post("links", **typed).json()
     assert linked["decision"]["effect"]["chi2_after"] > linked["decision"]["effect"]["chi2_before"]
-    assert post("nodes/3/prior", transform=seen, sigmas=[0.1] * 3 + [1] * 3).json()["note"].startswith("Optimizer/")
+    prior = {"transform": seen, "sigmas": [0.1] * 3 + [1] * 3}
+    assert post("nodes/3/prior", **prior).json()["note"].startswith("Optimizer/")
+    assert post("nodes/3/prior", **prior, count=True).json()["note"] == f"{IGNORED} goes from true to false"
+    assert not run.get("/api/maps/flat/nodes/3/prior").json()["ignored"]
+    assert post("decisions", action="undo").json()["note"] == f"{IGNORED} goes from false to true"
+    assert run.get("/api/maps/flat/nodes/3/prior").json()["ignored"]
     assert post("links/covariances", types=["Neighbor"], sigmas=[0.1] * 6).json()["count"] == nodes - 1
     for refused in (post("nodes/drop", nodes=[2]), post("job", detect={})):
         assert refused.status_code == 409 and "top the run first" in refused.json()["error"]["message"]
@@ -125,6 +131,8 @@ def test_links_labels_and_priors_are_edited_while_the_map_is_made_and_nodes_stay
     # It goes on as a map that nobody makes, with the decisions of the run.
     assert [post("decisions", action="undo").json()["entry"]["action"] for _ in range(3)] == ["undo"] * 3
     assert not reader.node(2).label
+    changed = [(one.name, one.value) for one in reader.parameter_changes()]
+    assert changed == [(IGNORED, "false"), (IGNORED, "true")] and reader.parameters()[IGNORED] == "true"
 
 
 def test_the_stream_brings_the_last_values_first_and_then_each_node(run: RunningApp) -> None:
