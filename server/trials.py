@@ -190,7 +190,10 @@ class TrialRunner:
 
     def _require_rest(self) -> None:
         if self._work is not None:
-            raise EngineError(f"a trial of {self._work.map_id} is under way: wait until it has ended, or cancel it")
+            raise EngineError(
+                f"trial {self._work.trial.number} of {self._work.map_id} is under way, and one at a time is carried"
+                " out: wait until it has ended, or cancel it there, under Params, Trials"
+            )
 
     def _clear(self, view: MapView) -> None:
         """The last trial of a map is gone: so is its replay as it was, unless another has begun to use it."""

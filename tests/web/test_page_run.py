@@ -121,6 +121,8 @@ def try_values(page: Page) -> None:
     expect(page.get_by_role("img", name=re.compile("nodes from above"))).to_be_visible()
     page.locator("#trial-take-over").click()
     expect(page.get_by_role("status").filter(has_text="Taken over for the map's next session")).to_be_visible()
+    expect(page.locator("#trial-take-over")).to_have_text("Taken over")
+    expect(page.locator("#trial-take-over")).to_be_disabled()
     page.reload()
     expect(page.locator('[data-trial="1"]')).to_contain_text("older map")
     page.locator("#trial-discard").click()

@@ -5,7 +5,7 @@ import * as text from "../format.js";
 import { go, link } from "../router.js";
 import { endTrial, keepTrial, takeOver } from "../trials.js";
 import { say, setScene } from "../actions.js";
-import { scene } from "../store.js";
+import { parameters, scene } from "../store.js";
 import { Button } from "./button.js";
 import { TrialCharts } from "./trial_charts.js";
 import { TrialPaths } from "./trial_paths.js";
@@ -13,9 +13,13 @@ import { TrialPaths } from "./trial_paths.js";
 /** @typedef {import("../types/http").Schemas} Schemas */
 /** @typedef {Schemas["TrialComparison"]} Comparison */
 /** @typedef {Schemas["TrialSide"]} Side */
-/** @typedef {{label: string, hint?: string, of: (side: Side) => number | null | undefined, show?: (value: number | null | undefined) => string, less?: boolean, noise?: number}} Measure less: is better; noise: share by which it differs without a reason */
+/** @typedef {{label: string, hint?: string, of: (side: Side) => number | null | undefined, show?: (value: number | null | undefined) => string, less?: boolean, noise?: number, part?: boolean}} Measure less: is better; part: of the one above; noise: share by which it differs without a reason */
 
-const ms = (/** @type {number | null | undefined} */ value) => (value == null ? text.NONE : `${text.fixed(value, 1)} ms`);
+/** @param {number | null | undefined} value */
+function ms(value) {
+  if (value == null) return text.NONE;
+  return Math.abs(value) < 1000 ? `${text.fixed(value, 1)} ms` : `${text.fixed(value / 1000, 2)} s`;
+}
 
 /** Times of two runs differ by this much on a machine that does other things as well. */
 const NOISE = 0.25;
@@ -24,9 +28,9 @@ const NOISE = 0.25;
 const MEASURES = [
   { label: "Nodes", of: ({ nodes }) => nodes },
   { label: "Loops", of: ({ loops_total: total }) => total },
-  { label: "global", hint: "Found by appearance", of: ({ loops }) => loops.GlobalClosure ?? 0 },
-  { label: "proximity", hint: "Found where the path comes near itself", of: ({ loops }) => (loops.LocalSpaceClosure ?? 0) + (loops.LocalTimeClosure ?? 0) },
-  { label: "by hand", of: ({ loops }) => loops.UserClosure ?? 0 },
+  { part: true, label: "global", hint: "Found by appearance", of: ({ loops }) => loops.GlobalClosure ?? 0 },
+  { part: true, label: "proximity", hint: "Found where the path comes near itself", of: ({ loops }) => (loops.LocalSpaceClosure ?? 0) + (loops.LocalTimeClosure ?? 0) },
+  { part: true, label: "by hand", of: ({ loops }) => loops.UserClosure ?? 0 },
   { label: "Refused", hint: "Pairs that were tried and are no loop", of: ({ refused }) => refused },
   { label: "ATE", hint: "Trajectory error of the nodes, where truth is known", of: ({ ate_m: ate }) => ate, show: text.length, less: true },
   { label: "Path", hint: "Length of the optimised path", of: ({ path_m: path }) => path, show: text.length },
@@ -57,7 +61,8 @@ export function TrialResult({ map, trial, found }) {
 function Actions({ map, trial }) {
   const [naming, setNaming] = useState(/** @type {string | null} */ (null));
   const [waiting, setWaiting] = useState(false);
-  const { number } = trial;
+  const { number, changes } = trial;
+  const taken = changes.every(({ name, value }) => parameters.value?.parameters.find((one) => one.name === name)?.value === value);
   const shown = scene.value?.trial === number;
   useEffect(() => () => void (scene.peek()?.trial != null && setScene({ trial: null })), [map, number]);
   const waitFor = async (/** @type {() => Promise<unknown>} */ work) => (setWaiting(true), await work(), setWaiting(false));
@@ -75,7 +80,7 @@ function Actions({ map, trial }) {
       go({ view: "params", query: { tab: "trials" } });
     });
   return html`<div class="form-row trial-actions">
-    ${h(Button, { id: "trial-take-over", label: "Take over", kind: "accent", hint: "The running engine, or else the next session of this map, has these values", disabled: waiting, onClick: () => void waitFor(() => takeOver(map, trial)) })}
+    ${h(Button, { id: "trial-take-over", label: taken ? "Taken over" : "Take over", kind: "accent", hint: taken ? "These values are in force" : "The running engine, or else the next session of this map, has these values", disabled: waiting || taken, onClick: () => void waitFor(() => takeOver(map, trial)) })}
     ${h(Button, { id: "trial-keep", label: "Keep as new map…", hint: "A new map file, with the images of this one", disabled: waiting, pressed: naming !== null, onClick: () => setNaming(naming === null ? `${map.replace(/[^\w.-]+/g, "-")}-trial-${number}` : null) })}
     ${h(Button, { id: "trial-3d", label: "In 3D", hint: "Loops and path of the trial as ghosts in the 3D view", pressed: shown, disabled: waiting, onClick: () => void setScene({ trial: shown ? null : number }) })}
     ${h(Button, { id: "trial-discard", label: "Discard", hint: "Forget this trial", disabled: waiting, onClick: () => void discard() })}
@@ -108,7 +113,7 @@ function numbers({ original, baseline, tried }) {
 }
 
 /** @param {Measure} measure @param {Side} original @param {Side} baseline @param {Side} tried */
-function numberRow({ label, hint, of, show = text.whole, less, noise = 0 }, original, baseline, tried) {
+function numberRow({ label, hint, of, show = text.whole, less, noise = 0, part }, original, baseline, tried) {
   const [was, before, after] = [original, baseline, tried].map((side) => of(side) ?? null);
   const change = before !== null && after !== null ? after - before : null;
   const differs = change !== null && show(before) !== show(after);
@@ -116,7 +121,7 @@ function numberRow({ label, hint, of, show = text.whole, less, noise = 0 }, orig
   const tone = !noted ? "quiet" : !less ? "ink-accent strong" : Number(change) < 0 ? "ink-good strong" : "ink-bad strong";
   const sign = Number(change) > 0 ? "+" : "";
   return html`<tr key=${label} class=${cx(noted && "trial-differs")} data-measure=${label}>
-    <th scope="row" title=${hint}>${label}</th>
+    <th scope="row" class=${cx(part && "trial-part")} title=${hint}>${label}</th>
     <td class="right quiet">${show(was)}</td>
     <td class="right">${show(before)}</td>
     <td class="right strong">${show(after)}</td>

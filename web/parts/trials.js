@@ -46,7 +46,7 @@ function row(map, trial, chosen) {
       <b>${number}</b> ${changesText(trial)}
     </a>
     ${state === "failed" && h(Badge, { tone: "bad", children: "failed" })}
-    ${stale && h(Badge, { tone: "warn", hint: "The map has changed since: this is what came of it as it was then", children: "older map" })}
+    ${stale && h(Badge, { tone: "warn", hint: "The map or its parameters have changed since: this is what came of it as it was then", children: "older map" })}
     ${state !== "running" && html`<span class="quiet small">${text.ago(started)}</span>`}
     ${state === "running" &&
     html`<span class="trial-progress small" role="status">
