@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import signal
 import socket
 from collections.abc import Callable
@@ -28,6 +29,8 @@ class Serving(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to listen, then call ``on_ready``."""
         await super().startup(sockets)
+        # What is loaded by now stays to the end: no collection has to walk through it each time a large map is read.
+        gc.freeze()
         if self.started:
             self._on_ready()
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from server.browse.columns import pose_list
+from server.browse.columns import known_poses
 from server.browse.loops import evidence
 from server.browse.snapshot import Snapshot
 from server.schemas import LoopWhatIf, WhatIfGraph, WhatIfLoop
@@ -180,7 +180,7 @@ def _graph(snapshot: Snapshot, found: Sequence[Foreseen]) -> tuple[WhatIfGraph, 
     if not closed.links and len(graph):
         graph.poses = optimize(graph, params, root=choose_root(graph, params, graph.newest)).poses
     shift = Shift.between(before, graph.poses)
-    there = {i: pose for i, T in graph.poses.items() if (pose := pose_list(T)) is not None}
+    there = known_poses(graph.poses)
     answer = WhatIfGraph(
         ids=list(there),
         poses=list(there.values()),
