@@ -19,7 +19,7 @@ def pose_list(T_a_b: Pose | None) -> list[float] | None:
 
 def pose_lists(T_a_b: Array) -> list[list[float] | None]:
     """The same of many poses (N, 4, 4); None for those that are not finite."""
-    known: NDArray[np.bool_] = np.isfinite(T_a_b).all(axis=(1, 2))
+    known: NDArray[np.bool_] = np.asarray(np.isfinite(T_a_b).all(axis=(1, 2)))
     T_a_b = np.where(known[:, None, None], T_a_b, np.eye(4))
     listed = np.column_stack([T_a_b[:, :3, 3], to_quats_xyzw(T_a_b)]).round(_DIGITS).tolist()
     return [pose if ok else None for pose, ok in zip(listed, known.tolist(), strict=True)]

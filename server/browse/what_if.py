@@ -65,7 +65,7 @@ class WhatIfs:
 def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: bool) -> LoopWhatIf:
     params = snapshot.params
     tried = {**view.trials.done(params), **{p: row.candidate for p, row in snapshot.candidates.items()}}
-    held = {pair for pair in snapshot.links.keys() | tried.keys() if snapshot.history.last(pair) is not None}
+    held = {pair for pair in snapshot.links.keys() | tried.keys() if pair in snapshot.verdicts}
     found = foresee(_hypotheses(view, snapshot), snapshot.links, tried, held, threshold, params.Rtabmap.LoopThr)
     untried = [one.hypothesis for one in found if one.outcome is Outcome.UNTRIED]
     view.trials.ask(untried, params)
@@ -143,7 +143,7 @@ def _loop(snapshot: Snapshot, one: Foreseen) -> WhatIfLoop:
 
 def _truth(snapshot: Snapshot, one: Foreseen) -> bool | None:
     """By a person's decision, else by ground truth; None where neither says."""
-    decided = snapshot.history.last(one.hypothesis.pair)
+    decided = snapshot.verdicts.get(one.hypothesis.pair)
     if decided is not None:
         return decided.action != "reject"
     if one.link is None or one.link.T_from_to is None:

@@ -124,9 +124,11 @@ def read_link_user_data(connection: Connection, from_id: int, to_id: int) -> NDA
 
 def count_one_way(connection: Connection) -> int:
     """Number of neighbour links that lack the reverse."""
-    rows = connection.execute(select(link.c.from_id, link.c.to_id).where(link.c.type == int(LinkType.NEIGHBOR)))
-    pairs = {(row.from_id, row.to_id) for row in rows}
-    return sum((b, a) not in pairs for a, b in pairs)
+    steps = link.c.type == int(LinkType.NEIGHBOR)
+    forth, back = (
+        select(*ends).where(steps) for ends in ((link.c.from_id, link.c.to_id), (link.c.to_id, link.c.from_id))
+    )
+    return connection.scalar(select(func.count()).select_from(forth.except_(back).subquery())) or 0
 
 
 def _check(item: Link) -> None:

@@ -87,7 +87,7 @@ def sound(links: Iterable[Link]) -> list[Link]:
     """Those whose transform and covariance can be reckoned with (files of other programs hold anything), ascending."""
     given = [link for link in links if link.T_from_to is not None]
     stack = informations(given)
-    good: NDArray[np.bool_] = np.isfinite(transforms(given)).all(axis=(1, 2))
+    good: NDArray[np.bool_] = np.asarray(np.isfinite(transforms(given)).all(axis=(1, 2)))
     good &= np.isfinite(stack).all(axis=(1, 2))
     good[good] = np.linalg.eigvalsh(stack[good])[:, 0] > 0.0
     return all_ascending([given[row] for row in np.flatnonzero(good)])
