@@ -78,6 +78,7 @@ export function ColourPicture({ map, node, features, onPoint }) {
     label: `Colour image of node ${node.id}`,
     aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,
     dependencies: [image, features, depth, veil.value, inked.value],
+    pixels: image?.naturalWidth,
     onPoint,
     draw: (ctx, width, height) => {
       if (!image) return;

@@ -1,14 +1,15 @@
 // Colour and depth of a node side by side; each opens as large as the window. The pixel under the pointer is told of.
-import { useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import { address } from "../api.js";
 import { depthAddress } from "../depth_look.js";
 import { pointAt } from "../pointed.js";
+import { Button } from "./button.js";
 import { Canvas, useImage } from "./canvas.js";
 import { DepthLook } from "./depth_bar.js";
 import { ColourPicture, KeyPointsToggle, useKeyPoints } from "./keypoints.js";
-import { Lightbox } from "./lightbox.js";
-import { Cross, PixelLine } from "./pixel.js";
+import { Lightbox, saveShown } from "./lightbox.js";
+import { Cross, PixelLine, imageSize } from "./pixel.js";
 
 /** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
 /** @typedef {(place: import("./canvas.js").Place | null) => void} OnPoint */
@@ -16,21 +17,26 @@ import { Cross, PixelLine } from "./pixel.js";
 /** @param {{map: string, node: NodeDetail}} props */
 export function NodeImages({ map, node }) {
   const [large, setLarge] = useState(/** @type {"colour" | "depth" | null} */ (null));
+  const pictures = useRef(/** @type {HTMLElement | null} */ (null));
   const features = useKeyPoints(map, node);
   const onPoint = (/** @type {import("./canvas.js").Place | null} */ place) => pointAt(map, node, place);
   const colour = h(ColourPicture, { map, node, features, onPoint });
   const depth = h(SecondPicture, { map, node, onPoint });
   const line = h(PixelLine, { node, features, quiet: besides(node) });
   const close = () => (setLarge(null), onPoint(null));
+  const [width, height] = imageSize(node) ?? [4, 3];
   return html`<figure class="picture">
-    <div class="pictures">
+    <div class="pictures" ref=${pictures}>
       <button type="button" class="picture-large" title="Larger" onClick=${() => setLarge("colour")}>${colour}${h(Cross, { node: node.id })}</button>
       <button type="button" class="picture-large" title="Larger" onClick=${() => setLarge("depth")}>${depth}${h(Cross, { node: node.id })}</button>
     </div>
     ${line}
-    <figcaption class="picture-bar">${h(KeyPointsToggle, { node, features })}</figcaption>
+    <figcaption class="picture-bar">
+      ${h(KeyPointsToggle, { node, features })}<span class="grow"></span>
+      ${(node.has_image || node.has_depth) && h(Button, { icon: "export", hint: "Save both pictures as PNG", kind: "bare", onClick: () => saveShown(pictures.current, `node ${node.id}`) })}
+    </figcaption>
     ${node.has_depth && h(DepthLook, {})}
-    ${large && h(Lightbox, { title: `Node ${node.id}, ${large}`, close, children: html`<div>${large === "colour" ? colour : depth}${line}</div>` })}
+    ${large && h(Lightbox, { title: `Node ${node.id}, ${large}`, aspect: width / height, close, children: html`<div>${large === "colour" ? colour : depth}${line}</div>` })}
   </figure>`;
 }
 
@@ -52,6 +58,7 @@ function RightPicture({ map, node }) {
     label: `Right image of node ${node.id}`,
     aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,
     dependencies: [image],
+    pixels: image?.naturalWidth,
     draw: (ctx, width, height) => image && ctx.drawImage(image, 0, 0, width, height),
   });
 }
@@ -65,6 +72,7 @@ function DepthPicture({ map, node, onPoint }) {
     label: `Depth image of node ${node.id}`,
     aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,
     dependencies: [image],
+    pixels: image?.naturalWidth,
     onPoint,
     draw: (ctx, width, height) => image && ctx.drawImage(image, 0, 0, width, height),
   });
