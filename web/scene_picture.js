@@ -7,7 +7,7 @@ import { color } from "./theme.js";
 /** Frames to wait for one that is drawn, as a view that stands still draws none of itself. */
 const MOST_FRAMES = 30;
 
-/** Save the 3D view as PNG, as large as it is on the screen. */
+/** Save the 3D view as PNG, in the pixels in which it is drawn. */
 export async function saveScene() {
   const frame = /** @type {HTMLIFrameElement | null} */ (document.querySelector("iframe.scene-frame"));
   const picture = frame && (await captured(frame));

@@ -185,8 +185,8 @@ class Painter:
                 picture.measure,
                 picture.look,
                 frustum="frustum" in state.node_parts,
-                # The cloud is behind the image that it was made of.
-                image="cloud" not in state.node_parts,
+                # What it was made into is behind the image.
+                image=not {"cloud", "mesh", "elevation"} & {*state.node_parts},
             )
             self._model.draw(snapshot.reader, snapshot.revision, visible=picture.layers.model)
             self._draw_grid(picture)

@@ -19,7 +19,7 @@ Placing = Literal["now", "then", "soon"]
 LinkClass = Literal["neighbor", "loop", "proximity", "time", "user", "virtual", "refused", "landmark"]
 
 #: What a node has to be seen close up.
-NodePart = Literal["cloud", "words", "scan", "grid", "frustum"]
+NodePart = Literal["cloud", "mesh", "words", "scan", "grid", "elevation", "frustum"]
 
 
 class SceneLayers(Schema):

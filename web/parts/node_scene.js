@@ -7,12 +7,16 @@ import { Button, Chip } from "./button.js";
 /** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
 /** @typedef {NonNullable<import("../store.js").Schemas["Scene"]["node_parts"]>[number]} Part */
 
+const hasCloud = (/** @type {NodeDetail} */ node) => node.has_image && (node.has_depth || node.has_right) && node.cameras.length > 0;
+
 /** What it is called, what it shows, what a node without it lacks. @type {[Part, string, string, string, (node: NodeDetail) => boolean][]} */
 const PARTS = [
-  ["cloud", "Cloud", "Every pixel that has depth", "depth image with a calibration", (node) => node.has_image && (node.has_depth || node.has_right) && node.cameras.length > 0],
+  ["cloud", "Cloud", "Every pixel that has depth", "depth image with a calibration", hasCloud],
+  ["mesh", "Mesh", "The same as a surface", "depth image with a calibration", hasCloud],
   ["words", "Words", "Key points that have a place; words green", "key points", (node) => node.features > 0],
   ["scan", "Scan", "Its scan, coloured by what is stored of each point", "scan", (node) => Boolean(node.sensors.scan?.points)],
   ["grid", "Grid", "Its local grid on the floor", "local grid", (node) => Boolean(node.sensors.grid)],
+  ["elevation", "Heights", "The highest point of each cell around it, blue to red", "depth and no scan", (node) => hasCloud(node) || Boolean(node.sensors.scan?.points)],
   ["frustum", "Camera", "Its image where the camera was", "image with a calibration", (node) => node.has_image && node.cameras.length > 0],
 ];
 

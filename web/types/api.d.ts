@@ -3082,7 +3082,7 @@ export interface components {
              * Node Parts
              * @description What is shown of the selected node close up.
              */
-            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[];
+            node_parts?: ("cloud" | "mesh" | "words" | "scan" | "grid" | "elevation" | "frustum")[];
             /** @description An optimisation whose path is shown dashed beside the map's. */
             optimised?: components["schemas"]["ShownOptimisation"] | null;
             /**
@@ -3143,7 +3143,7 @@ export interface components {
             hidden_sessions?: number[] | null;
             layers?: components["schemas"]["LayerChange"] | null;
             /** Node Parts */
-            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[] | null;
+            node_parts?: ("cloud" | "mesh" | "words" | "scan" | "grid" | "elevation" | "frustum")[] | null;
             optimised?: components["schemas"]["ShownOptimisation"] | null;
             /** Overlay */
             overlay?: ("link" | "poses") | null;
