@@ -174,7 +174,9 @@ class Painter:
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
-            overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
+            overlaid = self._overlay.draw(
+                snapshot, graph, _selection(state)[1], state.overlay, picture.look, of=state.overlay_of
+            )
             visible = picture.layers.cloud and not overlaid
             self._clouds.draw(picture.placed, with_images, with_scans, visible=visible, shown=shown)
             self._draw_graph(picture)

@@ -172,8 +172,6 @@ function Beside({ first, other }) {
 /** @param {NodeDetail} first @param {NodeDetail} other */
 function apart(first, other) {
   const seconds = other.stamp - first.stamp;
-  const size = Math.abs(seconds);
-  const long = size < 120 ? `${text.fixed(size, 2)} s` : size < 7200 ? `${text.fixed(size / 60, 1)} min` : `${text.fixed(size / 3600, 1)} h`;
-  return `${long}${seconds === 0 ? "" : seconds > 0 ? ", B is later" : ", B is earlier"}`;
+  return `${text.duration(Math.abs(seconds))}${seconds === 0 ? "" : seconds > 0 ? ", B is later" : ", B is earlier"}`;
 }
 

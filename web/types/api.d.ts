@@ -2261,6 +2261,11 @@ export interface components {
             has_model: boolean;
             /** Has Poses */
             has_poses: boolean;
+            /**
+             * Has Scans
+             * @description Whether a node has points of a scanner.
+             */
+            has_scans: boolean;
             /** Has Truth */
             has_truth: boolean;
             /** Id */
@@ -2281,6 +2286,11 @@ export interface components {
             live: boolean;
             /** Loops */
             loops: number;
+            /**
+             * Map M
+             * @description The same through the optimised poses; None where no node has one.
+             */
+            map_m: number | null;
             /** Name */
             name: string;
             /** Nodes */
@@ -2290,6 +2300,11 @@ export interface components {
              * @description What is missing in the file and what was made up for, in sentences.
              */
             notes: string[];
+            /**
+             * Odometry M
+             * @description Length of odometry's path, sessions added up.
+             */
+            odometry_m: number;
             /**
              * Parameters
              * @description Those that differ from the defaults.
@@ -2307,6 +2322,11 @@ export interface components {
             size_bytes: number;
             /** Sources */
             sources: string[];
+            /**
+             * Span S
+             * @description Seconds from the first to the last node, sessions added up.
+             */
+            span_s: number;
             /**
              * Version
              * @description Of RTAB-Map's schema.
@@ -3091,6 +3111,13 @@ export interface components {
              */
             overlay?: ("link" | "poses") | null;
             /**
+             * Overlay Of
+             * @description Of what those clouds are: of depth images, and scans where there are none, or of scans alone.
+             * @default cloud
+             * @enum {string}
+             */
+            overlay_of: "cloud" | "scan";
+            /**
              * Placing
              * @description Of a moment: whether its poses are those of then.
              * @default now
@@ -3147,6 +3174,8 @@ export interface components {
             optimised?: components["schemas"]["ShownOptimisation"] | null;
             /** Overlay */
             overlay?: ("link" | "poses") | null;
+            /** Overlay Of */
+            overlay_of?: ("cloud" | "scan") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */

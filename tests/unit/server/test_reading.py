@@ -47,6 +47,7 @@ def test_info_counts_what_the_file_holds(client: RunningApp, maps_folder: Path) 
     stored = MapReader(maps_folder / "loops.db").info()
     assert (found["nodes"], found["links"]) == (stored.nodes, dict(stored.links))
     assert found["has_truth"] and found["writable"] and not found["live"]
+    assert found["map_m"] == pytest.approx(found["odometry_m"], rel=0.2) and found["span_s"] > 0
     assert found["ate_m"] == pytest.approx(0.02, abs=0.02)
     assert found["parameters"] == {"Rtabmap/LoopThr": "0.2"}
 
