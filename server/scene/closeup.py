@@ -13,6 +13,7 @@ from server.browse.plan_reach import cell_count, grid_reach
 from server.browse.plans import grid_pixels
 from server.scene.clouds import wxyz
 from server.scene.colours import Theme
+from server.scene.matt import as_matt_glb
 from server.scene.node_details import DetailPoints, dense_points, scan_points, word_points
 from server.scene.node_surfaces import Surface, as_trimesh, node_elevation, node_mesh
 from server.scene.placed import PlacedGraph
@@ -120,9 +121,8 @@ class CloseUpLayer:
         except SlamError as error:
             _LOG.info("no %s close up: %s", part, error)
             return None
-        return self._scene.add_mesh_trimesh(
-            f"/closeup/{part}", as_trimesh(found), cast_shadow=False, receive_shadow=False
-        )
+        glb = as_matt_glb(as_trimesh(found))
+        return self._scene.add_glb(f"/closeup/{part}", glb, cast_shadow=False, receive_shadow=False)
 
     def _draw_grid(self, reader: MapReader, node: int, T_map_base: Pose, floor_m: float, *, visible: bool) -> None:
         if visible and not self._tried_grid:

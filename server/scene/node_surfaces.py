@@ -170,13 +170,10 @@ def _sized(camera: Camera) -> Camera:
 
 
 def as_trimesh(surface: Surface) -> trimesh.Trimesh:
-    """The surface as it is sent: matt, and seen from both sides."""
+    """The surface with its picture as the texture."""
     import trimesh
     from PIL import Image
 
     image = Image.fromarray(np.ascontiguousarray(surface.picture[..., ::-1]))
-    matt = cast("Any", trimesh.visual.material.PBRMaterial)(
-        baseColorTexture=image, metallicFactor=0.0, roughnessFactor=1.0, doubleSided=True
-    )
-    visual = cast("Any", trimesh.visual.TextureVisuals)(uv=surface.places, material=matt)
+    visual = cast("Any", trimesh.visual.TextureVisuals)(uv=surface.places, image=image)
     return trimesh.Trimesh(surface.corners, surface.triangles, visual=visual, process=False)
