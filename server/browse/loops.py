@@ -30,8 +30,16 @@ def loop_state(snapshot: Snapshot, pair: Pair) -> LoopState | None:
         return _DECIDED[decided.action]
     if link is not None:
         return LoopState.ACCEPTED if link.type.is_loop else None
+    looked_at = snapshot.candidates.get(pair)
     # A node that became part of an older one (Mem/ReduceGraph) has no loops that could be decided about.
-    return LoopState.REFUSED if pair in snapshot.candidates and set(pair) <= snapshot.rows.keys() else None
+    if looked_at is None or not set(pair) <= snapshot.rows.keys():
+        return None
+    return None if taken_back(looked_at.candidate) else LoopState.REFUSED
+
+
+def taken_back(candidate: Candidate) -> bool:
+    """Whether a pair that is not in the graph was found by a search for more loops, which somebody undid."""
+    return candidate.type is LinkType.USER_CLOSURE and candidate.refusal is None
 
 
 def reason(refusal: Refusal | None) -> LoopReason | None:
