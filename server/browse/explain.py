@@ -69,9 +69,10 @@ def _grounds(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:
         parts.append(f"hypothesis {candidate.posterior:.2f}, Rtabmap/LoopThr {params.Rtabmap.LoopThr:g}")
     else:
         parts.append("near by in the map (proximity)")
-    parts.append(
-        f"{candidate.inliers} inliers of {candidate.matches} matches, Vis/MinInliers {params.Vis.MinInliers} needed"
-    )
+    if candidate.matches >= 0:
+        parts.append(
+            f"{candidate.inliers} inliers of {candidate.matches} matches, Vis/MinInliers {params.Vis.MinInliers} needed"
+        )
     sigma = snapshot.residuals.get(pair)
     if sigma is not None:
         parts.append(f"residual {sigma:.1f} sigma, RGBD/OptimizeMaxError allows {params.RGBD.OptimizeMaxError:g}")

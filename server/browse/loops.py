@@ -89,8 +89,7 @@ def _rows(snapshot: Snapshot) -> Iterator[LoopRow]:
 
 
 def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
-    link, looked_at = snapshot.links.get(pair), snapshot.candidates.get(pair)
-    candidate = None if looked_at is None else looked_at.candidate
+    link, recorded, candidate = snapshot.links.get(pair), snapshot.candidates.get(pair), snapshot.looked_at(pair)
     T_from_to = link.T_from_to if link is not None else candidate.T_from_to if candidate is not None else None
     from_id, to_id = _direction(pair, link, candidate)
     return LoopRow(
@@ -108,7 +107,7 @@ def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
         graph_distance=_graph_distance(snapshot, pair),
         sessions=[_session(snapshot, node_id) for node_id in (from_id, to_id)],
         look_alike=rival(snapshot, pair),
-        update=pair[1] if looked_at is None else looked_at.update_id,
+        update=pair[1] if recorded is None else recorded.update_id,
         reason=None if candidate is None else reason(candidate.refusal),
     )
 
