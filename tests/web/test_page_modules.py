@@ -71,6 +71,23 @@ def test_a_link_reopens_what_it_names(modules: Page, route: dict[str, Any]) -> N
     assert parsed == route
 
 
+@pytest.mark.parametrize(
+    "filter",
+    [
+        {"states": ["added", "refused"], "suspect": True, "type": "GlobalClosure", "minInliers": 40, "session": 0},
+        {"ranges": {"doubt": [1, None], "residual_sigma": [None, 2.5], "graph_distance": [0, 30]}},
+    ],
+)
+def test_a_filter_of_the_queue_is_in_its_address(modules: Page, filter: dict[str, Any]) -> None:
+    whole = {**call(modules, "loop_list.js", "m.NO_FILTER"), **filter}
+    assert call(modules, "loop_query.js", "m.filterOf(new URLSearchParams(m.queryOf(a)))", whole) == whole
+
+
+@pytest.mark.parametrize("query", ["", "tab=jobs", "at=12&from=3&to=4", "inliers=many&session=&in-doubt=..&in-no=1.."])
+def test_an_address_without_a_filter_names_none(modules: Page, query: str) -> None:
+    assert call(modules, "loop_query.js", "m.filterOf(new URLSearchParams(a))", query) is None
+
+
 @pytest.mark.parametrize("text", ["", "#", "#/nowhere", "#/map", "#/map/tour/nowhere/5", "#/%E0%A4%A"])
 def test_any_address_leads_to_a_view(modules: Page, text: str) -> None:
     parsed = call(modules, "router.js", "m.parse(a)", text)
