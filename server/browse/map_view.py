@@ -87,7 +87,12 @@ class MapView:
             if known is None or known.revision == self._revision:
                 self._revision += 1
             self._snapshot = Snapshot(
-                self.reader, self._revision, self._tiers.read(self._faults), self._faults, self._beliefs
+                self.reader,
+                self._revision,
+                self._tiers.read(self._faults),
+                self._faults,
+                self._beliefs,
+                self.statistics,
             )
             self._print = now
             return self._snapshot

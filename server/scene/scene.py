@@ -138,6 +138,7 @@ class MapScene:
                 state.trial = change.trial
             if "overlay" in named:
                 state.overlay = change.overlay
+            state.overlay_of = change.overlay_of or state.overlay_of
             if "optimised" in named:
                 state.optimised = change.optimised
             if change.hidden_links is not None:
