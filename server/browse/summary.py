@@ -54,7 +54,7 @@ def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
         loops=loop_count(info),
         live=live,
         writable=writable,
-        has_truth=snapshot.has_truth,
+        has_truth=snapshot.truth.is_known,
         ate_m=ate_m,
         notes=notes(snapshot, clean=info.clean, live=live),
         has_scans=bool(snapshot.scanned),
