@@ -11,10 +11,11 @@ import numpy as np
 from server.browse.beliefs import BeliefLog
 from server.browse.completion import Completion, complete
 from server.browse.statistics import StatisticsLog
+from server.browse.stored_parameters import as_params, parameter_texts
 from server.browse.told import told_by_statistics
 from server.browse.truth import Truth
 from slam.database import CandidateRow, Fault, Faults, JournalEntry, MapReader, NodeTable
-from slam.errors import DatabaseError, ParameterError
+from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import chi2, choose_root, optimize
@@ -23,7 +24,7 @@ from slam.graph.suspicion import Suspicion, suspicions
 from slam.graph.verify import residual_ratios
 from slam.history import History
 from slam.loop.aliasing import LookAlike, look_alike
-from slam.params import Params, specs
+from slam.params import Params
 from slam.types import WEIGHT_INVALID, Candidate, Link, Tier
 
 Pair = tuple[int, int]
@@ -253,32 +254,12 @@ class Snapshot:
     @cached_property
     def params(self) -> Params:
         """Parameters of the newest session, with the changes made while it ran."""
-        params, known = Params(), {entry.name for entry in specs()}
-        for name in self.parameter_texts.keys() & known:
-            text = self.parameter_texts[name]
-            try:
-                params = params.changed({name: text})
-            except ParameterError:
-                # A value that we don't allow: it stays in the file, the default counts.
-                continue
-        return params
+        return as_params(self.parameter_texts)
 
     @cached_property
     def parameter_texts(self) -> dict[str, str]:
         """The same as text, names that slamdeck doesn't know included."""
-        sessions = self.reader.sessions(self.faults)
-        began = sessions[-1].started if sessions else None
-        changes = [
-            change for change in self.reader.parameter_changes(self.faults) if began is None or change.time >= began
-        ]
-        return {**self._stored_parameters(), **{change.name: change.value for change in changes}}
-
-    def _stored_parameters(self) -> dict[str, str]:
-        try:
-            return self.reader.parameters()
-        except DatabaseError as error:
-            self.faults[Fault("Info", "newest", f"defaults stand for its parameters: {error}")] = None
-            return {}
+        return parameter_texts(self.reader, self.faults)
 
     @cached_property
     def truth(self) -> Truth:
