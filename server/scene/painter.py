@@ -53,6 +53,7 @@ class Picture:
     snapshot: Snapshot
     graph: PlacedGraph
     wanted: Shown
+    measure: Measure
 
     @property
     def state(self) -> Scene:
@@ -116,11 +117,6 @@ class Picture:
             return self.state.layers
         return SceneLayers(**dict.fromkeys(SceneLayers.model_fields, False))
 
-    @cached_property
-    def measure(self) -> Measure:
-        """Its sizes."""
-        return Measure.of(self.graph.positions)
-
 
 class Painter:
     """Shows maps and their changes; each layer knows what it sent and sends only what is new."""
@@ -166,8 +162,12 @@ class Painter:
         Missing clouds come with ``load_some``.
         """
         before, state = self._shown, wanted.state
-        graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
-        picture = Picture(snapshot, graph, wanted)
+        if before is not None and before.snapshot is snapshot:
+            graph, measure = before.graph, before.measure
+        else:
+            graph = PlacedGraph.of(snapshot)
+            measure = Measure.of(graph.positions)
+        picture = Picture(snapshot, graph, wanted, measure)
         shown = None if picture.shown is graph else picture.shown.rows
         with_images = snapshot.pictured if state.layers.cloud else frozenset()
         with_scans = snapshot.scanned if state.layers.cloud else frozenset()
