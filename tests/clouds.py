@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from slam.features.words import nothing_seen
 from slam.geometry import Pose, inverse, transform
 from slam.registration.view import View
-from slam.types import Features, Scan
+from slam.types import Scan
 from tests.nodes import CAMERA
 
 Array = NDArray[np.float64]
@@ -40,8 +41,4 @@ def scan(
 
 def view(cloud: Scan | None) -> View:
     """A view of which only the cloud is known."""
-    none = np.zeros((0, 32), np.uint8)
-    flat = np.zeros(0, np.float32)
-    points = np.zeros((0, 3), np.float32)
-    features = Features(np.zeros((0, 2), np.float32), flat, flat, flat, np.zeros(0, np.int32), none, points)
-    return View(features, CAMERA, cloud)
+    return View(nothing_seen(), CAMERA, cloud)

@@ -9,10 +9,11 @@ import numpy as np
 
 from slam.camera import Camera
 from slam.database import MapWriter, NodeRecord
+from slam.features.words import nothing_seen
 from slam.geometry import Array, Pose, between, se3_exp
 from slam.graph import PoseGraph
 from slam.params import Params
-from slam.types import Candidate, Features, Link, LinkType, Node, Odometry, Update
+from slam.types import Candidate, Link, LinkType, Node, Odometry, Update
 
 SIGMA = np.array([0.01, 0.01, 0.01, 0.003, 0.003, 0.003])
 INFORMATION = np.diag(SIGMA**-2)
@@ -62,16 +63,7 @@ def stacked(poses: dict[int, Pose]) -> Array:
 
 def write_map(path: Path, graph: PoseGraph, candidates: Mapping[int, tuple[Candidate, ...]] | None = None) -> Path:
     """A closed map file of this graph, with loop candidates by the node of their update."""
-    none = np.zeros((0, 2), np.float32)
-    features = Features(
-        none,
-        none[:, 0],
-        none[:, 0],
-        none[:, 0],
-        np.zeros(0, np.int32),
-        np.zeros((0, 32), np.uint8),
-        np.zeros((0, 3), np.float32),
-    )
+    features = nothing_seen()
     with MapWriter.create(path, Params(), seed=0, source="made up") as writer:
         for i in sorted(graph.poses):
             node = Node(i, 0, 0, float(i), graph.T_odom[i], features, np.zeros(0, np.int32), CAMERA)

@@ -8,23 +8,15 @@ import numpy as np
 
 from slam.camera import Camera
 from slam.database import MapWriter, NodeRecord
+from slam.features.words import nothing_seen
 from slam.graph import PoseGraph, optimize
 from slam.params import Params
-from slam.types import Candidate, Features, Link, Node, Odometry, Update
+from slam.types import Candidate, Link, Node, Odometry, Update
 from tests.graphs import circles
 
 #: Each cloud has about this many points: depth images of 100x100.
 _SIDE = 100
 _CAMERA = Camera(_SIDE, _SIDE, 60.0, 60.0, 49.5, 49.5)
-_NONE = Features(
-    np.zeros((0, 2), np.float32),
-    np.zeros(0, np.float32),
-    np.zeros(0, np.float32),
-    np.zeros(0, np.float32),
-    np.zeros(0, np.int32),
-    np.zeros((0, 32), np.uint8),
-    np.zeros((0, 3), np.float32),
-)
 
 
 def write_workbench_map(path: Path, nodes: int, loops: int, clouds: int = 0) -> PoseGraph:
@@ -43,8 +35,8 @@ def write_workbench_map(path: Path, nodes: int, loops: int, clouds: int = 0) -> 
 def _record(graph: PoseGraph, i: int, rng: np.random.Generator, *, with_images: bool) -> NodeRecord:
     links = _ending(graph, i)
     candidates = tuple(_candidate(link, rng) for link in links if link.type.is_loop)
-    node = Node(i, 0, 0, float(i), graph.T_odom[i], _NONE, np.zeros(0, np.int32), _CAMERA)
-    odometry = Odometry(node.T_odom_base, np.eye(6), _NONE, 0, 0, True, None, 1.0)
+    node = Node(i, 0, 0, float(i), graph.T_odom[i], nothing_seen(), np.zeros(0, np.int32), _CAMERA)
+    odometry = Odometry(node.T_odom_base, np.eye(6), nothing_seen(), 0, 0, True, None, 1.0)
     update = Update(i, node.stamp, odometry, graph.poses[i], node, candidates=candidates)
     best = candidates[0] if candidates else None
     statistics = {

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from slam.camera import Camera
 from slam.database import MapWriter, NodeRecord
+from slam.features.words import nothing_seen
 from slam.geometry import Pose, between, make
 from slam.params import Params
 from slam.types import (
     Candidate,
-    Features,
     Link,
     LinkType,
     Node,
@@ -76,16 +76,7 @@ def write_room_map(path: Path, nodes: int = NODES, *, images: bool = True, close
 
 
 def _record(node_id: int, *, images: bool) -> NodeRecord:
-    none = np.zeros((0, 2), np.float32)
-    features = Features(
-        none,
-        none[:, 0],
-        none[:, 0],
-        none[:, 0],
-        np.zeros(0, np.int32),
-        np.zeros((0, 32), np.uint8),
-        np.zeros((0, 3), np.float32),
-    )
+    features = nothing_seen()
     node = Node(
         node_id,
         0,

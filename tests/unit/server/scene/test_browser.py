@@ -18,16 +18,9 @@ from server.catalog import MapFile
 from server.scene.colours import DARK, LIGHT, Theme
 from server.scene.scene import MapScene
 from server.schemas.scene import SceneChange
+from tests.web.conftest import FLAGS
 
 _CHROMIUM = shutil.which("chromium")
-_FLAGS = (
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--no-first-run",
-)
 _SIZE = {"width": 640, "height": 480}
 
 
@@ -37,7 +30,7 @@ def page() -> Any:
         pytest.skip("needs the program chromium")
     playwright = pytest.importorskip("playwright.sync_api", reason="needs the package playwright")
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=_CHROMIUM, args=list(_FLAGS))
+        browser = driver.chromium.launch(executable_path=_CHROMIUM, args=list(FLAGS))
         yield browser.new_page(viewport=_SIZE)
         browser.close()
 
