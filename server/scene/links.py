@@ -31,7 +31,7 @@ _THICKNESS_PX = {
     LinkKind.REFUSED: 1.4,
 }
 #: Pieces of an arc, an even number: of one among few, among more than ``_MANY``, and where every other is a gap.
-_STEPS, _FEWER_STEPS, _DASHED_STEPS = 12, 6, 36
+_STEPS, _FEWER_STEPS, _DASHED_STEPS = 12, 4, 36
 _MANY = 1500
 
 

@@ -106,6 +106,14 @@ def test_images_are_as_stored_and_previews_are_small(client: RunningApp, maps_fo
     assert shown is not None and shown.shape == (240, 320, 3)
 
 
+@pytest.mark.parametrize(("path", "packed"), [("graph", "gzip"), ("nodes/3/image", None)])
+def test_lists_come_packed_to_who_can_unpack_them(client: RunningApp, path: str, packed: str | None) -> None:
+    able = client.get(f"/api/maps/loops/{path}", headers={"Accept-Encoding": "gzip"})
+    assert able.headers.get("content-encoding") == packed
+    plain = client.get(f"/api/maps/loops/{path}", headers={"Accept-Encoding": "identity"})
+    assert "content-encoding" not in plain.headers and plain.content == able.content
+
+
 def test_depth_is_coloured_and_transparent_where_unknown(client: RunningApp, maps_folder: Path) -> None:
     data = client.get("/api/maps/loops/nodes/3/depth.png?max=5").content
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
