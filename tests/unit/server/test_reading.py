@@ -42,6 +42,7 @@ def test_info_counts_what_the_file_holds(client: RunningApp, maps_folder: Path) 
     found = get(client, "/api/maps/loops")
     stored = MapReader(maps_folder / "loops.db").info()
     assert (found["nodes"], found["links"]) == (stored.nodes, dict(stored.links))
+    assert found["refused"] == 1
     assert found["has_truth"] and found["writable"] and not found["live"]
     assert found["ate_m"] == pytest.approx(0.02, abs=0.02)
     assert found["parameters"] == {"Rtabmap/LoopThr": "0.2"}
