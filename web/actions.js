@@ -21,8 +21,9 @@ export const author = remembered("author", "");
 
 let toastCount = 0;
 
-/** @param {string} text @param {Toast["kind"]} [kind] */
+/** What stands there already is not said twice. @param {string} text @param {Toast["kind"]} [kind] */
 export function say(text, kind = "bad") {
+  if (toasts.value.some((toast) => toast.text === text)) return;
   const id = ++toastCount;
   toasts.value = [...toasts.value, { id, kind, text }];
   setTimeout(() => dismiss(id), kind === "bad" ? 8000 : 4000);

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from server.browse.beliefs import BeliefLog
 from server.browse.completion import Completion, complete
+from server.browse.statistics import StatisticsLog
+from server.browse.told import told_by_statistics
 from slam.accuracy import frames_ate_m, pooled_ate_m
 from slam.database import CandidateRow, Fault, Faults, JournalEntry, MapReader, NodeTable
 from slam.errors import DatabaseError, ParameterError
@@ -24,7 +26,7 @@ from slam.graph.verify import residual_ratios
 from slam.history import History
 from slam.loop.aliasing import LookAlike, look_alike
 from slam.params import Params, specs
-from slam.types import WEIGHT_INVALID, Link, Tier, TrackedFrame
+from slam.types import WEIGHT_INVALID, Candidate, Link, Tier, TrackedFrame
 
 Pair = tuple[int, int]
 
@@ -46,8 +48,10 @@ class Snapshot:
         tiers: Mapping[int, Tier],
         faults: Faults | None = None,
         beliefs: BeliefLog | None = None,
+        statistics: StatisticsLog | None = None,
     ) -> None:
         self.reader = reader
+        self._statistics = statistics or StatisticsLog(reader)
         self._beliefs = beliefs or BeliefLog(reader)
         self.revision = revision
         self.tiers = tiers
@@ -218,6 +222,16 @@ class Snapshot:
         """The last word about each pair that was looked at as a loop."""
         return {_pair(row.candidate.from_id, row.candidate.to_id): row for row in self.candidate_rows}
 
+    def looked_at(self, pair: Pair) -> Candidate | None:
+        """What a loop was judged by: as slamdeck recorded it, or as RTAB-Map's statistics tell."""
+        row = self.candidates.get(pair)
+        return self._told.get(pair) if row is None else row.candidate
+
+    @cached_property
+    def _told(self) -> dict[Pair, Candidate]:
+        untold = {pair: link for pair, link in self.links.items() if link.type.is_loop and pair not in self.candidates}
+        return told_by_statistics(self._statistics.table(), untold) if untold else {}
+
     @cached_property
     def candidate_rows(self) -> list[CandidateRow]:
         """All that was ever said of pairs as loops, oldest first."""
@@ -232,6 +246,11 @@ class Snapshot:
     def history(self) -> History:
         """Which decisions stand."""
         return History(self.journal)
+
+    @cached_property
+    def verdicts(self) -> dict[Pair, JournalEntry]:
+        """The last verdict about each pair that stands."""
+        return self.history.verdicts()
 
     @cached_property
     def params(self) -> Params:
