@@ -10,6 +10,11 @@ from tests.web.conftest import OpenPage, until
 from tests.web.served import Served
 
 NODES = "#/map/flat/nodes"
+#: Whether the 3D view of this window marks these.
+MARKED = """async (wanted) => {
+    const scene = await (await fetch(`api/scene/flat?viewer=${sessionStorage["slamdeck.viewer"]}`)).json();
+    return Object.entries(wanted).every(([name, value]) => JSON.stringify(scene[name]) === JSON.stringify(value));
+}"""
 
 
 def paints(page: Page, label: str, colours: int) -> None:
@@ -112,6 +117,10 @@ def test_two_nodes_stand_side_by_side_with_their_words(library: Served, open_pag
     expect(
         pair.or_(page.get_by_role("region", name="Nodes 10 and 9")).get_by_role("link", name="evidence")
     ).to_be_visible()
+    until(page, MARKED, {"selected_node": None, "selected_link": [10, 9]})
+    page.goto(f"{library.base}#/map/flat/stats")
+    until(page, MARKED, {"selected_node": 10, "selected_link": None})
+    page.go_back()
     page.get_by_role("button", name="Look at the first alone").click()
     expect(page.get_by_role("region", name="Node 10")).to_be_visible()
 
