@@ -24,7 +24,7 @@ _PLAIN = {
 
 def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | None) -> str:
     """One or two sentences about a pair."""
-    decided = snapshot.history.last(pair)
+    decided = snapshot.verdicts.get(pair)
     said = [] if decided is None else [_decision(decided)]
     verdict = "Accepted" if decided is None or decided.action != "reject" else "The engine had accepted it"
     if candidate is None or not link.type.is_loop:

@@ -92,7 +92,7 @@ def _as_link(candidate: Candidate | None) -> Link | None:
 
 def _removed(snapshot: Snapshot, pair: Pair) -> Link | None:
     """The link that a decision took out of the graph."""
-    entry = snapshot.history.last(pair)
+    entry = snapshot.verdicts.get(pair)
     return None if entry is None else entry.link_before
 
 

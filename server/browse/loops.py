@@ -25,7 +25,7 @@ def loops(snapshot: Snapshot, after: int = 0) -> Loops:
 def loop_state(snapshot: Snapshot, pair: Pair) -> LoopState | None:
     """Where a loop stands; None for odometry, for what was never looked at, and for nodes that are gone."""
     link = snapshot.links.get(pair)
-    decided = snapshot.history.last(pair)
+    decided = snapshot.verdicts.get(pair)
     if decided is not None:
         return _DECIDED[decided.action]
     if link is not None:

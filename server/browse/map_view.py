@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from server.browse.asked import Asked
 from server.browse.beliefs import BeliefLog
 from server.browse.grid_then import GridThen
 from server.browse.increments import Increments
@@ -35,6 +36,7 @@ class MapView:
     Attributes:
         file: which one.
         reader: of the file.
+        asked: who waits for an answer about it.
         increments: what changed in the graph since which revision.
         statistics: of its updates.
         trials: what the images say of loops that were never tried.
@@ -47,6 +49,7 @@ class MapView:
     def __init__(self, file: MapFile) -> None:
         self.file = file
         self.reader = MapReader(file.path)
+        self.asked = Asked()
         self.increments = Increments()
         self.statistics = StatisticsLog(self.reader)
         self.trials = LoopTrials(self.reader)

@@ -248,6 +248,11 @@ class Snapshot:
         return History(self.journal)
 
     @cached_property
+    def verdicts(self) -> dict[Pair, JournalEntry]:
+        """The last verdict about each pair that stands."""
+        return self.history.verdicts()
+
+    @cached_property
     def params(self) -> Params:
         """Parameters of the newest session, with the changes made while it ran."""
         params, known = Params(), {entry.name for entry in specs()}

@@ -174,7 +174,9 @@ class Painter:
         with self._viewer.atomic():
             if before is None or before.look is not picture.look:
                 self._viewer.show_theme(picture.look, dark=state.dark)
-            overlaid = self._overlay.draw(snapshot, graph, _selection(state)[1], state.overlay, picture.look)
+            overlaid = self._overlay.draw(
+                snapshot, graph, _selection(state)[1], state.overlay, picture.look, of=state.overlay_of
+            )
             visible = picture.layers.cloud and not overlaid
             self._clouds.draw(picture.placed, with_images, with_scans, visible=visible, shown=shown)
             self._draw_graph(picture)
@@ -185,8 +187,8 @@ class Painter:
                 picture.measure,
                 picture.look,
                 frustum="frustum" in state.node_parts,
-                # The cloud is behind the image that it was made of.
-                image="cloud" not in state.node_parts,
+                # What it was made into is behind the image.
+                image=not {"cloud", "mesh", "elevation"} & {*state.node_parts},
             )
             self._model.draw(snapshot.reader, snapshot.revision, visible=picture.layers.model)
             self._draw_grid(picture)

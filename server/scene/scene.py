@@ -27,6 +27,8 @@ _LOG = logging.getLogger(__name__)
 _PAUSE_S, _SCRUB_S = 0.15, 0.01
 #: A moment that stays this long is drawn with all that takes longer.
 _SETTLED_S = 0.25
+#: How often to look whether somebody still waits for an answer.
+_POLITE_S = 0.02
 
 Tell = Callable[[Scene], None]
 
@@ -136,6 +138,7 @@ class MapScene:
                 state.trial = change.trial
             if "overlay" in named:
                 state.overlay = change.overlay
+            state.overlay_of = change.overlay_of or state.overlay_of
             if "optimised" in named:
                 state.optimised = change.optimised
             if change.hidden_links is not None:
@@ -237,7 +240,10 @@ class MapScene:
         return None if state.trial is None else self._trial(state.trial)
 
     def _work(self) -> None:
-        """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did."""
+        """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did.
+
+        Clouds let pass whoever waits for an answer about the map: they take seconds of the interpreter's time.
+        """
         pending = False
         while not self._closing.is_set():
             try:
@@ -250,7 +256,7 @@ class MapScene:
                     self._stale.set()
                     self._draw()
                 if not self._changed.is_set():
-                    pending = not self._closing.is_set() and self._painter.load_some()
+                    pending = not self._closing.is_set() and (self.view.asked.is_urgent or self._painter.load_some())
             except SlamError as error:
                 # The file is gone or can't be read now: what is shown stays, the next change tries again.
                 _LOG.warning("the 3D view of %s is not drawn anew: %s", self.view.file.name, error)
@@ -260,7 +266,7 @@ class MapScene:
     def _idle_s(self, pending: bool) -> float | None:
         """How long to wait for a change before something else is done; None where nothing else is to be done."""
         if pending:
-            return 0.0
+            return _POLITE_S if self.view.asked.is_urgent else 0.0
         if not self._incomplete:
             return None
         return 0.0 if self._patient else _SETTLED_S

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 from playwright.sync_api import Browser, Page, Route
 
 WEB = Path(__file__).resolve().parents[2] / "web"
@@ -170,3 +172,20 @@ def test_columns_grow_by_what_is_new_and_stay_in_step(modules: Page) -> None:
     assert ids == one == two == list(range(1, len(ids) + 1))
     assert last == ids[-1]
     assert "after=0" not in asked[-1], "only what is new is fetched"
+
+
+@given(values=st.lists(st.integers(1, 100), min_size=20, max_size=150), spike=st.integers(1, 10**6))
+@example(values=[30] * 122, spike=380)
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_only_one_value_in_a_hundred_is_cut_off_a_chart_and_only_if_it_flattens_the_rest(
+    modules: Page, values: list[int], spike: int
+) -> None:
+    found = call(modules, "parts/chart_range.js", "m.ceiling([a])", [*values, None, spike])
+    most = sorted([*values, spike], reverse=True)
+    if found is not None:
+        above = [value for value in most if value > found]
+        assert 1 <= len(above) <= max(1, len(most) // 100) and min(above) > 4 * found
+        assert found in most
+    elif len(most) < 200:
+        assert most[0] <= 4 * most[1]
+    assert call(modules, "parts/chart_range.js", "m.ceiling([a], 0, 18)", values) is None

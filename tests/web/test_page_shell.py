@@ -122,6 +122,27 @@ def test_statistics_are_saved_as_a_table_and_as_a_picture(library: Served, open_
     assert image is not None and image.shape[1] > 300
 
 
+def test_the_map_is_saved_for_other_tools(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/nodes/7")
+    expect(page.get_by_role("img", name="Depth image of node 7")).to_be_visible()
+    until(page, "() => [...document.querySelectorAll('.pictures canvas')].every((one) => one.width > 100)")
+    with page.expect_download() as pictures:
+        page.get_by_role("button", name="Save both pictures as PNG").click()
+    assert pictures.value.suggested_filename == "flat-node-7.png"
+    both = cv2.imread(str(pictures.value.path()))
+    assert both is not None and both.shape[:2] == (240, 640)
+    page.get_by_role("button", name=re.compile("Save from this map")).click()
+    for part, name, start in (
+        ("Poses", "flat.tum.txt", b"#"),
+        ("Floor plan", "flat.grid.zip", b"PK"),
+        ("Cloud", "flat.ply", b"ply"),
+    ):
+        with page.expect_download() as made:
+            page.get_by_role("region", name=part).get_by_role("button", name="Save").click()
+        assert made.value.suggested_filename == name
+        assert Path(made.value.path()).read_bytes().startswith(start)
+
+
 def test_a_chart_marks_the_node_under_the_pointer(library: Served, open_page: OpenPage) -> None:
     page = open_page(library, "#/map/flat/stats?names=Timing/Total/ms")
     chart = page.locator(".stat-chart .u-over")
