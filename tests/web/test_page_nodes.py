@@ -84,6 +84,11 @@ def test_the_table_sorts_searches_and_follows_the_keys(library: Served, open_pag
     page.keyboard.press("k")
     last = int(page.url.rsplit("/", 1)[1])
     expect(page.get_by_role("row", selected=True)).to_contain_text(str(last))
+    here = int(page.evaluate("location.hash.split('/').pop()"))
+    for node in (here - 1, here - 2, here - 3):
+        page.keyboard.press("k")
+        expect(page).to_have_url(re.compile(rf"/nodes/{node}$"))
+        expect(page.get_by_role("row", selected=True)).to_contain_text(re.compile(rf"^{node}"))
     page.get_by_role("searchbox", name="Find nodes by id, label, time or place").fill("12")
     expect(rows.nth(1)).to_contain_text("12")
     page.get_by_role("searchbox").fill("id:5..6 loops:>=0")
