@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import errno
+import gc
 import signal
 import socket
+import threading
 from collections.abc import Callable
+from importlib import import_module
 
 import uvicorn
 from starlette.types import ASGIApp
@@ -30,6 +33,14 @@ class Serving(uvicorn.Server):
         await super().startup(sockets)
         if self.started:
             self._on_ready()
+            threading.Thread(target=_load_rest, name="load the 3D view", daemon=True).start()
+
+
+def _load_rest() -> None:
+    """Load what the first 3D view takes, a second's work, while the browser is still on its way."""
+    import_module("server.scene.painter")
+    # What is loaded by now stays to the end: no collection has to walk through it each time a large map is read.
+    gc.freeze()
 
 
 def bind(settings: Settings) -> socket.socket:

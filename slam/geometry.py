@@ -193,6 +193,24 @@ def to_quat_xyzw(R: Array) -> Array:
     return np.asarray(-quat if quat[3] < 0 else quat)
 
 
+def to_quats_xyzw(T_a_b: Array) -> Array:
+    """The same (N, 4) of many poses (N, 4, 4)."""
+    R = T_a_b[:, :3, :3]
+    diagonal, trace = np.diagonal(R, axis1=1, axis2=2), np.trace(R, axis1=1, axis2=2)
+    # 4 q qT: each of its rows is q times a factor, that of the largest component the safest.
+    products = np.empty((len(R), 4, 4))
+    products[:, :3, :3] = R + np.swapaxes(R, 1, 2)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        products[:, i, i] = 1.0 + R[:, i, i] - R[:, j, j] - R[:, k, k]
+        products[:, 3, i] = products[:, i, 3] = R[:, k, j] - R[:, j, k]
+    products[:, 3, 3] = 1.0 + trace
+    largest = np.where(trace > diagonal.max(axis=1), 3, diagonal.argmax(axis=1))
+    quats = products[np.arange(len(R)), largest]
+    quats /= np.linalg.norm(quats, axis=1, keepdims=True)
+    return np.asarray(np.where(quats[:, 3:] < 0.0, -quats, quats))
+
+
 def from_euler_rpy(rpy: Array, t_a_b: Array) -> Pose:
     """Pose from roll, pitch, yaw (3,) in radians, R = Rz(yaw) Ry(pitch) Rx(roll), and a translation (3,) in metres."""
     roll, pitch, yaw = (so3_exp(angle * axis) for angle, axis in zip(rpy, np.eye(3), strict=True))

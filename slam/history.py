@@ -56,6 +56,10 @@ class History:
         """The last verdict about a pair (smaller id first) that stands."""
         return next((entry for entry in self._about(pair) if entry.action in VERDICTS), None)
 
+    def verdicts(self) -> dict[tuple[int, int], JournalEntry]:
+        """The last verdict that stands about each pair that has one."""
+        return {step.entry.pair: step.entry for step in self._standing if step.entry.action in VERDICTS}
+
     def original(self, pair: tuple[int, int]) -> Link | None:
         """The link of a pair (smaller id first) before people edited it; None where they did not."""
         before = None

@@ -53,6 +53,19 @@ export function address(...parts) {
 }
 
 /**
+ * A file that the server makes; a refusal is an ApiError as everywhere.
+ * @param {string} url from address()
+ * @param {Record<string, string>} [query]
+ */
+export async function file(url, query = {}) {
+  const asked = new URL(url);
+  for (const [name, value] of Object.entries(query)) asked.searchParams.set(name, value);
+  const response = await reach(asked, {});
+  if (!response.ok) throw await refusal(response);
+  return response.blob();
+}
+
+/**
  * @param {Method} method
  * @param {string} path
  * @param {Loose} options

@@ -5,6 +5,7 @@ import { cx, h, html } from "./html.js";
 import { connect } from "./events.js";
 import { startKeys } from "./keys.js";
 import { Banners, Toasts } from "./parts/banner.js";
+import { Exports } from "./parts/exports.js";
 import { Help } from "./parts/help.js";
 import { Palette } from "./parts/palette.js";
 import { Rail } from "./parts/rail.js";
@@ -50,7 +51,7 @@ function App() {
         ${h(VIEWS[view], { key: `${map}/${view}` })}
       </main>
     </div>
-    ${h(Palette, {})}${h(Help, {})}${h(Toasts, {})}${h(Tour, {})}
+    ${h(Palette, {})}${h(Help, {})}${h(Exports, {})}${h(Toasts, {})}${h(Tour, {})}
   </div>`;
 }
 

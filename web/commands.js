@@ -1,12 +1,13 @@
 // All that the command palette can find.
 import { command, say, setScene } from "./actions.js";
-import { address } from "./api.js";
 import * as text from "./format.js";
 import { KINDS, goTo, jump, kind, now, pause, timeline, togglePlay } from "./moment.js";
+import { FORMATS, saveCloud, saveGrid, savePoses, showExports } from "./parts/exports.js";
 import { showHelp } from "./parts/help.js";
 import { ENTRIES } from "./parts/rail.js";
 import { showTour } from "./parts/tour.js";
 import { go, keepMoment, openMapId } from "./router.js";
+import { saveScene } from "./scene_picture.js";
 import { maps, parameters, scene, session } from "./store.js";
 import { toggleTheme } from "./theme.js";
 
@@ -120,12 +121,14 @@ function parameterCommands() {
 function exportCommands() {
   const map = openMapId.value;
   if (!map) return [];
-  return ["tum", "kitti", "g2o"].map((format) => ({
-    kind: "export",
-    label: `Export poses as ${format}`,
-    detail: map,
-    run: () => location.assign(`${address("api", "maps", map, "export", "poses")}?format=${format}`),
-  }));
+  const one = (/** @type {string} */ label, /** @type {() => unknown} */ run) => ({ kind: "export", label, detail: map, run: () => void run() });
+  return [
+    one("Save from this map…", showExports),
+    ...FORMATS.map(([format, name]) => one(`Export poses as ${name}`, () => savePoses(format))),
+    one("Export the floor plan (PGM, YAML)", saveGrid),
+    one("Export the cloud (PLY)", saveCloud),
+    one("Save the 3D view as PNG", saveScene),
+  ];
 }
 
 /** @returns {Command[]} */

@@ -13,6 +13,15 @@ export const farthest = remembered("depth-farthest", 0);
 /** Share of the depth in the colour image, 0 for none. */
 export const veil = remembered("depth-veil", 0);
 
+/** What is shown beside the left image of a stereo pair. */
+export const SECONDS = /** @type {const} */ (["right", "disparity", "depth"]);
+export const secondShown = remembered("stereo-second", "right");
+
+/** @param {string} map @param {number} node */
+export function disparityAddress(map, node) {
+  return `${address("api", "maps", map, "nodes", node, "disparity.png")}?colours=${depthColours.value}`;
+}
+
 /** @param {string} map @param {number} node */
 export function depthAddress(map, node) {
   const query = new URLSearchParams({ colours: depthColours.value, min: String(nearest.value), max: String(farthest.value) });

@@ -36,6 +36,12 @@ export function length(metres) {
   return size < 1 ? `${fixed(metres * 100, 1)} cm` : `${fixed(metres, 2)} m`;
 }
 
+/** A span of time. @param {number} seconds 0 or more */
+export function duration(seconds) {
+  if (seconds < 120) return `${fixed(seconds, 2)} s`;
+  return seconds < 7200 ? `${fixed(seconds / 60, 1)} min` : `${fixed(seconds / 3600, 1)} h`;
+}
+
 /** @param {Maybe} bytes */
 export function size(bytes) {
   if (bytes === null || bytes === undefined) return NONE;

@@ -26,6 +26,20 @@ export function csv(columns) {
   return `${lines.join("\r\n")}\r\n`;
 }
 
+/** Pictures beside each other in one PNG, each in its own size. @param {HTMLCanvasElement[]} pictures @param {string} name of the file */
+export function savePictures(pictures, name) {
+  const canvas = document.createElement("canvas");
+  canvas.width = pictures.reduce((sum, { width }) => sum + width, 0);
+  canvas.height = Math.max(...pictures.map(({ height }) => height));
+  const ctx = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  let left = 0;
+  for (const picture of pictures) {
+    ctx.drawImage(picture, left, 0);
+    left += picture.width;
+  }
+  canvas.toBlob((blob) => blob && save(blob, name), "image/png");
+}
+
 /** What a chart shows, on the page's ground with its title. @param {HTMLCanvasElement} chart @param {string} title @param {string} name */
 export function savePicture(chart, title, name) {
   const scale = devicePixelRatio;

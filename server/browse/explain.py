@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from server.browse.loops import taken_back
 from server.browse.snapshot import Pair, Snapshot
 from slam.database import JournalEntry
 from slam.loop.aliasing import NEARLY
@@ -23,11 +24,13 @@ _PLAIN = {
 
 def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | None) -> str:
     """One or two sentences about a pair."""
-    decided = snapshot.history.last(pair)
+    decided = snapshot.verdicts.get(pair)
     said = [] if decided is None else [_decision(decided)]
     verdict = "Accepted" if decided is None or decided.action != "reject" else "The engine had accepted it"
     if candidate is None or not link.type.is_loop:
         said.append(_PLAIN.get(link.type, "A loop closure; the file does not say what it was judged by."))
+    elif decided is None and pair not in snapshot.links and taken_back(candidate):
+        said.append(f"Found by a search for more loops that was taken back: {_grounds(snapshot, pair, candidate)}.")
     elif candidate.refusal is not None:
         said.append(f"Refused: {candidate.refusal.text.rstrip('.')}.")
     else:
@@ -66,9 +69,10 @@ def _grounds(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:
         parts.append(f"hypothesis {candidate.posterior:.2f}, Rtabmap/LoopThr {params.Rtabmap.LoopThr:g}")
     else:
         parts.append("near by in the map (proximity)")
-    parts.append(
-        f"{candidate.inliers} inliers of {candidate.matches} matches, Vis/MinInliers {params.Vis.MinInliers} needed"
-    )
+    if candidate.matches >= 0:
+        parts.append(
+            f"{candidate.inliers} inliers of {candidate.matches} matches, Vis/MinInliers {params.Vis.MinInliers} needed"
+        )
     sigma = snapshot.residuals.get(pair)
     if sigma is not None:
         parts.append(f"residual {sigma:.1f} sigma, RGBD/OptimizeMaxError allows {params.RGBD.OptimizeMaxError:g}")

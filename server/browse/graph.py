@@ -6,12 +6,14 @@ from collections.abc import Collection
 
 import numpy as np
 
-from server.browse.columns import number_list, pose_list
+from server.browse.columns import number_list, pose_list, pose_lists
 from server.browse.map_view import MapView
 from server.browse.snapshot import Pair, Snapshot
 from server.schemas import Graph, LinkColumns, NodeColumns
 from slam.geometry import Pose, inverse
 from slam.types import Tier
+
+_UNKNOWN = np.full((4, 4), np.nan)
 
 
 def graph(view: MapView, after: int) -> Graph:
@@ -39,9 +41,9 @@ def _nodes(snapshot: Snapshot, ids: Collection[int]) -> NodeColumns:
         weight=table.weights[rows].tolist(),
         stamp=table.stamps[rows].tolist(),
         tier=[snapshot.tiers.get(node_id, Tier.LTM) for node_id in chosen],
-        pose=[pose_list(snapshot.poses.get(node_id)) for node_id in chosen],
-        odom=[pose_list(T) for T in table.T_odom[rows]],
-        truth=[pose_list(T) for T in table.T_world[rows]] if snapshot.has_truth else None,
+        pose=pose_lists(np.array([snapshot.poses.get(i, _UNKNOWN) for i in chosen]).reshape(-1, 4, 4)),
+        odom=pose_lists(table.T_odom[rows]),
+        truth=pose_lists(table.T_world[rows]) if snapshot.truth.is_known else None,
     )
 
 

@@ -35,7 +35,7 @@ def link_detail(
         tried: what was registered since to see what another threshold would mean.
     """
     pair = (min(from_id, to_id), max(from_id, to_id))
-    candidate = _candidate(snapshot, pair) or (tried or {}).get(pair)
+    candidate = snapshot.looked_at(pair) or (tried or {}).get(pair)
     link = snapshot.links.get(pair) or _as_link(candidate) or _removed(snapshot, pair)
     if link is None:
         raise NotFoundError(f"nodes {from_id} and {to_id} are not linked, and no loop between them was looked at")
@@ -80,12 +80,7 @@ def link_detail(
 
 def measured_link(snapshot: Snapshot, pair: Pair) -> Link | None:
     """What was measured between two nodes, in the graph or not; None where nothing was."""
-    return snapshot.links.get(pair) or _as_link(_candidate(snapshot, pair)) or _removed(snapshot, pair)
-
-
-def _candidate(snapshot: Snapshot, pair: Pair) -> Candidate | None:
-    row = snapshot.candidates.get(pair)
-    return None if row is None else row.candidate
+    return snapshot.links.get(pair) or _as_link(snapshot.looked_at(pair)) or _removed(snapshot, pair)
 
 
 def _as_link(candidate: Candidate | None) -> Link | None:
@@ -97,7 +92,7 @@ def _as_link(candidate: Candidate | None) -> Link | None:
 
 def _removed(snapshot: Snapshot, pair: Pair) -> Link | None:
     """The link that a decision took out of the graph."""
-    entry = snapshot.history.last(pair)
+    entry = snapshot.verdicts.get(pair)
     return None if entry is None else entry.link_before
 
 

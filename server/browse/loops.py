@@ -25,13 +25,21 @@ def loops(snapshot: Snapshot, after: int = 0) -> Loops:
 def loop_state(snapshot: Snapshot, pair: Pair) -> LoopState | None:
     """Where a loop stands; None for odometry, for what was never looked at, and for nodes that are gone."""
     link = snapshot.links.get(pair)
-    decided = snapshot.history.last(pair)
+    decided = snapshot.verdicts.get(pair)
     if decided is not None:
         return _DECIDED[decided.action]
     if link is not None:
         return LoopState.ACCEPTED if link.type.is_loop else None
+    looked_at = snapshot.candidates.get(pair)
     # A node that became part of an older one (Mem/ReduceGraph) has no loops that could be decided about.
-    return LoopState.REFUSED if pair in snapshot.candidates and set(pair) <= snapshot.rows.keys() else None
+    if looked_at is None or not set(pair) <= snapshot.rows.keys():
+        return None
+    return None if taken_back(looked_at.candidate) else LoopState.REFUSED
+
+
+def taken_back(candidate: Candidate) -> bool:
+    """Whether a pair that is not in the graph was found by a search for more loops, which somebody undid."""
+    return candidate.type is LinkType.USER_CLOSURE and candidate.refusal is None
 
 
 def reason(refusal: Refusal | None) -> LoopReason | None:
@@ -81,8 +89,7 @@ def _rows(snapshot: Snapshot) -> Iterator[LoopRow]:
 
 
 def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
-    link, looked_at = snapshot.links.get(pair), snapshot.candidates.get(pair)
-    candidate = None if looked_at is None else looked_at.candidate
+    link, recorded, candidate = snapshot.links.get(pair), snapshot.candidates.get(pair), snapshot.looked_at(pair)
     T_from_to = link.T_from_to if link is not None else candidate.T_from_to if candidate is not None else None
     from_id, to_id = _direction(pair, link, candidate)
     return LoopRow(
@@ -100,7 +107,7 @@ def _row(snapshot: Snapshot, pair: Pair, state: LoopState) -> LoopRow:
         graph_distance=_graph_distance(snapshot, pair),
         sessions=[_session(snapshot, node_id) for node_id in (from_id, to_id)],
         look_alike=rival(snapshot, pair),
-        update=pair[1] if looked_at is None else looked_at.update_id,
+        update=pair[1] if recorded is None else recorded.update_id,
         reason=None if candidate is None else reason(candidate.refusal),
     )
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from server.browse.asked import Asked
 from server.browse.beliefs import BeliefLog
 from server.browse.grid_then import GridThen
 from server.browse.increments import Increments
@@ -35,6 +36,7 @@ class MapView:
     Attributes:
         file: which one.
         reader: of the file.
+        asked: who waits for an answer about it.
         increments: what changed in the graph since which revision.
         statistics: of its updates.
         trials: what the images say of loops that were never tried.
@@ -47,6 +49,7 @@ class MapView:
     def __init__(self, file: MapFile) -> None:
         self.file = file
         self.reader = MapReader(file.path)
+        self.asked = Asked()
         self.increments = Increments()
         self.statistics = StatisticsLog(self.reader)
         self.trials = LoopTrials(self.reader)
@@ -68,6 +71,11 @@ class MapView:
         # Of updates, which are read once.
         self._faults: Faults = {}
 
+    @property
+    def revision(self) -> int:
+        """What the file was last read as, or will be read as where somebody said that it changed."""
+        return self._revision
+
     def snapshot(self) -> Snapshot:
         """What the file holds now."""
         with self._lock:
@@ -79,7 +87,12 @@ class MapView:
             if known is None or known.revision == self._revision:
                 self._revision += 1
             self._snapshot = Snapshot(
-                self.reader, self._revision, self._tiers.read(self._faults), self._faults, self._beliefs
+                self.reader,
+                self._revision,
+                self._tiers.read(self._faults),
+                self._faults,
+                self._beliefs,
+                self.statistics,
             )
             self._print = now
             return self._snapshot

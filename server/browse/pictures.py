@@ -7,10 +7,13 @@ from typing import Literal
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from server.browse.map_view import MapView
 from server.errors import NotFoundError
 from slam.database.images import decode_color
+from slam.errors import DatabaseError
+from slam.maps.views import disparity_px, node_views
 
 _PREVIEW_WIDTH, _PREVIEW_HEIGHT = 320, 1280
 _PNG = b"\x89PNG"
@@ -47,25 +50,57 @@ def preview(view: MapView) -> bytes:
 def coloured_depth(view: MapView, node_id: int, min_m: float, max_m: float, colours: DepthColours = "turbo") -> bytes:
     """Depth as a PNG from ``min_m`` (blue, black) to ``max_m`` metres (red, white), transparent where unknown.
 
-    With 0 as ``max_m`` nearly all depths are below it; what is nearer or farther has the first or last colour.
+    With 0 as ``max_m`` nearly all depths are below it; what is nearer or farther has the first or last colour. Of a
+    stereo pair depth is worked out.
     """
     _present(view, node_id, "depth")
-    depth_m = view.reader.depth_m(node_id)
+    if _baselines(view, node_id):
+        depth_m = np.hstack([seen.depth_m for seen in node_views(view.reader, node_id)])
+    else:
+        depth_m = view.reader.depth_m(node_id)
     last = max_m if max_m > min_m else max(_far(depth_m), min_m + _LEAST_SPAN_M)
-    share = np.clip((depth_m - min_m) / (last - min_m), 0.0, 1.0)
+    return _coloured(depth_m, min_m, last, colours)
+
+
+def coloured_disparity(view: MapView, node_id: int, colours: DepthColours = "turbo") -> bytes:
+    """How many pixels farther left the right camera sees each pixel of the left one, as a PNG from 0 to nearly all.
+
+    Raises:
+        NotFoundError: the node has no stereo pair.
+    """
+    _present(view, node_id, "depth")
+    baselines = _baselines(view, node_id)
+    if not baselines:
+        raise NotFoundError(f"node {node_id} of {view.file.name} has no stereo pair, and no disparity")
+    seen = node_views(view.reader, node_id)
+    disparity = np.hstack([disparity_px(one, baseline) for one, baseline in zip(seen, baselines, strict=True)])
+    return _coloured(disparity, 0.0, _far(disparity), colours)
+
+
+def _coloured(values: NDArray[np.float32], first: float, last: float, colours: DepthColours) -> bytes:
+    share = np.clip((values - first) / (last - first), 0.0, 1.0)
     level = (np.nan_to_num(share) * 255).astype(np.uint8)
     image = cv2.applyColorMap(level, _MAPS[colours]) if colours != "gray" else cv2.cvtColor(level, cv2.COLOR_GRAY2BGR)
-    known = ((depth_m > 0) & np.isfinite(depth_m)).astype(np.uint8) * 255
+    known = ((values > 0) & np.isfinite(values)).astype(np.uint8) * 255
     return bytes(cv2.imencode(".png", np.dstack([image, known]), [cv2.IMWRITE_PNG_COMPRESSION, 3])[1])
+
+
+def _baselines(view: MapView, node_id: int) -> tuple[float, ...]:
+    """Of its stereo pairs; none where depth is stored, also beside a calibration that makes no sense."""
+    try:
+        return view.reader.baselines(node_id)
+    except DatabaseError:
+        # The node itself says so; its depth needs none.
+        return ()
 
 
 def _with_type(data: bytes) -> tuple[bytes, str]:
     return data, "image/png" if data.startswith(_PNG) else "image/jpeg"
 
 
-def _far(depth_m: np.ndarray) -> float:
-    """A depth that nearly all pixels are nearer than."""
-    known = depth_m[(depth_m > 0) & np.isfinite(depth_m)]
+def _far(values: NDArray[np.float32]) -> float:
+    """A depth, or a disparity, that nearly all pixels are below."""
+    known = values[(values > 0) & np.isfinite(values)]
     return float(np.percentile(known, 98)) if len(known) else 1.0
 
 

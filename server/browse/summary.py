@@ -11,6 +11,7 @@ from server.schemas import MapFacts, MapInfo, MapSummary
 from slam.database import MapInfo as StoredInfo
 from slam.database import MapReader
 from slam.errors import DatabaseError
+from slam.tools.describe import path_size
 from slam.types import LinkType
 
 _LOOPS = {kind.label for kind in LinkType if kind.is_loop}
@@ -45,16 +46,22 @@ def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
     # What a map is made of: rows of it that make no sense are known now.
     ate_m, _ = snapshot.ate_m, (snapshot.nodes, snapshot.poses, snapshot.links, snapshot.candidates)
     faults = snapshot.faults | view.statistics.faults
+    path = path_size(snapshot.nodes, snapshot.poses)
     return MapInfo(
         **facts(info).model_dump(),
         id=view.file.id,
         name=view.file.name,
         loops=loop_count(info),
+        refused=sum(pair not in snapshot.links for pair in snapshot.candidates),
         live=live,
         writable=writable,
-        has_truth=snapshot.has_truth,
+        has_truth=snapshot.truth.is_known,
         ate_m=ate_m,
         notes=notes(snapshot, clean=info.clean, live=live),
+        has_scans=bool(snapshot.scanned),
+        span_s=path.span_s,
+        odometry_m=path.odometry_m,
+        map_m=path.map_m,
         has_model=view.reader.has_cloud(),
         session_list=session_list(view.reader, snapshot.all_nodes, snapshot.all_links, snapshot.faults),
         faults=row_faults(faults),

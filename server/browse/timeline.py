@@ -134,10 +134,15 @@ class Timeline:
 
 
 def _verdicts(snapshot: Snapshot) -> Iterator[Verdict]:
-    """What slamdeck recorded of each candidate; of loops without a record, that they came with their newer node."""
+    """What slamdeck recorded of each candidate; of loops without a record, that they came with their newer node.
+
+    What a search for more loops looked at afterwards (UserClosure) was no part of any update.
+    """
     recorded: set[Pair] = set()
     for row in snapshot.candidate_rows:
         candidate = row.candidate
+        if candidate.type is LinkType.USER_CLOSURE:
+            continue
         pair = (min(candidate.from_id, candidate.to_id), max(candidate.from_id, candidate.to_id))
         recorded.add(pair)
         yield Verdict(row.update_id, pair, candidate.type, candidate.refusal is None)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from server.browse.columns import number, number_list, pose_list
+from server.browse.columns import known_poses, number, number_list
 from server.schemas import TrialComparison, TrialLoop, TrialSide
 from slam.database import MapReader
 from slam.graph.graph import Pair
@@ -35,7 +35,7 @@ def trial_comparison(reader: MapReader, found: Comparison) -> TrialComparison:
 
 def _side(one: Outcome) -> TrialSide:
     times, wm = (values[np.isfinite(values)] for values in (one.update_ms, one.wm))
-    poses = {i: listed for i, T in one.poses.items() if (listed := pose_list(T)) is not None}
+    poses = known_poses(one.poses)
     return TrialSide(
         nodes=one.nodes,
         sessions=one.sessions,

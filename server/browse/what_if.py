@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from server.browse.columns import pose_list
+from server.browse.columns import known_poses
 from server.browse.loops import evidence
 from server.browse.snapshot import Snapshot
 from server.schemas import LoopWhatIf, WhatIfGraph, WhatIfLoop
@@ -65,7 +65,7 @@ class WhatIfs:
 def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: bool) -> LoopWhatIf:
     params = snapshot.params
     tried = {**view.trials.done(params), **{p: row.candidate for p, row in snapshot.candidates.items()}}
-    held = {pair for pair in snapshot.links.keys() | tried.keys() if snapshot.history.last(pair) is not None}
+    held = snapshot.verdicts.keys() & (snapshot.links.keys() | tried.keys())
     found = foresee(_hypotheses(view, snapshot), snapshot.links, tried, held, threshold, params.Rtabmap.LoopThr)
     untried = [one.hypothesis for one in found if one.outcome is Outcome.UNTRIED]
     view.trials.ask(untried, params)
@@ -83,7 +83,7 @@ def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: b
         pending=pending,
         precision=precision,
         recall=recall,
-        ate_now_m=snapshot.ate_m if graph is None else snapshot.ate_at(snapshot.optimum, snapshot.links),
+        ate_now_m=snapshot.ate_m if graph is None else snapshot.truth.ate_at(snapshot.optimum, snapshot.links),
         graph=graph,
     )
 
@@ -143,7 +143,7 @@ def _loop(snapshot: Snapshot, one: Foreseen) -> WhatIfLoop:
 
 def _truth(snapshot: Snapshot, one: Foreseen) -> bool | None:
     """By a person's decision, else by ground truth; None where neither says."""
-    decided = snapshot.history.last(one.hypothesis.pair)
+    decided = snapshot.verdicts.get(one.hypothesis.pair)
     if decided is not None:
         return decided.action != "reject"
     if one.link is None or one.link.T_from_to is None:
@@ -180,13 +180,13 @@ def _graph(snapshot: Snapshot, found: Sequence[Foreseen]) -> tuple[WhatIfGraph, 
     if not closed.links and len(graph):
         graph.poses = optimize(graph, params, root=choose_root(graph, params, graph.newest)).poses
     shift = Shift.between(before, graph.poses)
-    there = {i: pose for i, T in graph.poses.items() if (pose := pose_list(T)) is not None}
+    there = known_poses(graph.poses)
     answer = WhatIfGraph(
         ids=list(there),
         poses=list(there.values()),
         moved=shift.moved,
         max_shift_m=shift.max_m,
-        ate_m=snapshot.ate_at(graph.poses, graph.links),
+        ate_m=snapshot.truth.ate_at(graph.poses, graph.links),
         stored_off_m=Shift.between(snapshot.graph.poses, before).max_m,
     )
     return answer, judged

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import json as json_format
+from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from server.cli.markdown import bounds, parameters_page
 from slam.errors import ParameterError
 from slam.params import ParamSpec, format_value, specs
+
+if TYPE_CHECKING:
+    from rich.console import Group
+    from rich.table import Table
+
+#: Columns of a terminal in which the meaning has room beside the rest.
+_WIDE = 120
+_ENDLESS = 10_000
 
 
 def params(
@@ -29,14 +38,41 @@ def params(
         typer.echo(json_format.dumps([asdict(spec) for spec in found]))
         return
     from rich.console import Console
+
+    console = Console()
+    if not console.is_terminal:
+        # What is piped is searched line by line: a parameter is one line there.
+        console = Console(width=_ENDLESS)
+    if console.width >= _WIDE:
+        console.print(_table(found))
+    else:
+        console.print(*(_paragraph(spec) for spec in found), sep="")
+
+
+def _table(found: Sequence[ParamSpec]) -> Table:
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
     for title in ("name", "default", "unit", "bounds", "takes effect", "meaning"):
-        table.add_column(title, no_wrap=title == "name", overflow="fold")
+        table.add_column(title, no_wrap=title != "meaning", overflow="fold")
     for spec in found:
-        table.add_row(spec.name, _short(spec), spec.unit, bounds(spec), spec.effect.value, spec.meaning)
-    Console().print(table)
+        table.add_row(*_facts(spec), spec.meaning)
+    return table
+
+
+def _paragraph(spec: ParamSpec) -> Group:
+    """For narrow terminals: the meaning below the rest."""
+    from rich.console import Group
+    from rich.padding import Padding
+    from rich.text import Text
+
+    name, *others = _facts(spec)
+    line = Text.assemble((name, "bold"), "  ", "  ".join(part for part in others if part))
+    return Group(line, Padding(Text(spec.meaning), (0, 0, 0, 4)))
+
+
+def _facts(spec: ParamSpec) -> tuple[str, str, str, str, str]:
+    return spec.name, _short(spec), spec.unit, bounds(spec), spec.effect.value
 
 
 def _short(spec: ParamSpec) -> str:

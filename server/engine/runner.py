@@ -170,9 +170,8 @@ class Runner:
         if not preview:
             self._settings_changed(slam)
             slam.poses_changed()
-        self._channel.answer(request, answer)
-        if not preview:
             self._channel.send(GraphChanged())
+        self._channel.answer(request, answer)
 
     def _settings_changed(self, slam: Slam) -> None:
         """Go on with the parameters that a decision changed with the map."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated
 
 from fastapi import Depends, Path, Query
@@ -27,9 +28,11 @@ Viewer = Annotated[
 ]
 
 
-def view_of(services: ServicesDep, map_id: MapId) -> MapView:
+def view_of(services: ServicesDep, map_id: MapId) -> Iterator[MapView]:
     """The map of the address; UnknownMapError when there is none, DatabaseError when it can't be read."""
-    return services.view(map_id)
+    view = services.view(map_id)
+    with view.asked.one():
+        yield view
 
 
 ViewDep = Annotated[MapView, Depends(view_of)]

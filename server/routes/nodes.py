@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Response
 from server.browse import nodes
 from server.browse.nodes import NodeOrder
 from server.browse.pairs import node_pair
-from server.browse.pictures import DepthColours, coloured_depth, stored_image, stored_right
+from server.browse.pictures import DepthColours, coloured_depth, coloured_disparity, stored_image, stored_right
 from server.browse.plans import grid_picture, scan_picture
 from server.routes.access import NodeId, ViewDep
 from server.routes.pictures import ANY, PNG, picture
@@ -54,6 +54,12 @@ def get_node_depth(
 ) -> Response:
     """The depth image in colours, transparent where unknown."""
     return picture(coloured_depth(view, node_id, min_m, max_m, colours), "image/png")
+
+
+@router.get("/{node_id}/disparity.png", response_class=Response, responses=PNG)
+def get_node_disparity(view: ViewDep, node_id: NodeId, colours: DepthColours = "turbo") -> Response:
+    """The disparity of a stereo pair in colours, likewise."""
+    return picture(coloured_disparity(view, node_id, colours), "image/png")
 
 
 @router.get("/{node_id}/right", response_class=Response, responses=ANY)

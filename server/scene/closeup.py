@@ -1,4 +1,4 @@
-"""One node close up: all that it saw, its words, its scan and its local grid."""
+"""One node close up: all that it saw, as points and as surfaces, its words, its scan and its local grid."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from server.browse.plan_reach import cell_count, grid_reach
 from server.browse.plans import grid_pixels
 from server.scene.clouds import wxyz
 from server.scene.colours import Theme
+from server.scene.matt import as_matt_glb
 from server.scene.node_details import DetailPoints, dense_points, scan_points, word_points
+from server.scene.node_surfaces import Surface, as_trimesh, node_elevation, node_mesh
 from server.scene.placed import PlacedGraph
 from server.schemas.scene import NodePart
 from slam.database import MapReader
@@ -21,7 +24,7 @@ from slam.geometry import Pose, make, so3_exp
 from slam.maps.local_grid import yaw
 
 if TYPE_CHECKING:
-    from viser import ImageHandle, PointCloudHandle, SceneApi
+    from viser import GlbHandle, ImageHandle, PointCloudHandle, SceneApi
 
 _LOG = logging.getLogger(__name__)
 #: Above the floor, so that the map's own grid does not flicker through.
@@ -37,6 +40,7 @@ class CloseUpLayer:
         self._scene = scene
         self._of: tuple[int, int, Theme] | None = None
         self._points: dict[NodePart, PointCloudHandle | None] = {}
+        self._surfaces: dict[NodePart, GlbHandle | None] = {}
         self._grid: ImageHandle | None = None
         self._tried_grid = False
 
@@ -60,6 +64,7 @@ class CloseUpLayer:
             return
         T_map_base = graph.T_map[graph.rows[of[0]]]
         self._draw_points(reader, of[0], T_map_base, parts, look)
+        self._draw_surfaces(reader, of[0], T_map_base, parts)
         self._draw_grid(reader, of[0], T_map_base, floor_m, visible="grid" in parts)
 
     def _draw_points(
@@ -96,14 +101,36 @@ class CloseUpLayer:
             point_shading="flat",
         )
 
+    def _draw_surfaces(self, reader: MapReader, node: int, T_map_base: Pose, parts: Collection[NodePart]) -> None:
+        makers: dict[NodePart, Callable[[], Surface]] = {
+            "mesh": lambda: node_mesh(reader, node),
+            "elevation": lambda: node_elevation(reader, node, T_map_base),
+        }
+        for part, make_surface in makers.items():
+            if part in parts and part not in self._surfaces:
+                self._surfaces[part] = self._send_surface(part, make_surface)
+            handle = self._surfaces.get(part)
+            if handle is not None:
+                turned = T_map_base if part == "mesh" else make(_levelled(T_map_base), T_map_base[:3, 3])
+                handle.wxyz, handle.position = wxyz(turned), T_map_base[:3, 3]
+                handle.visible = part in parts
+
+    def _send_surface(self, part: NodePart, make_surface: Callable[[], Surface]) -> GlbHandle | None:
+        try:
+            found = make_surface()
+        except SlamError as error:
+            _LOG.info("no %s close up: %s", part, error)
+            return None
+        glb = as_matt_glb(as_trimesh(found))
+        return self._scene.add_glb(f"/closeup/{part}", glb, cast_shadow=False, receive_shadow=False)
+
     def _draw_grid(self, reader: MapReader, node: int, T_map_base: Pose, floor_m: float, *, visible: bool) -> None:
         if visible and not self._tried_grid:
             self._tried_grid = True
             self._grid = self._send_grid(reader, node)
         if self._grid is None:
             return
-        R_map_level = so3_exp(np.array([0.0, 0.0, yaw(T_map_base)]))
-        self._grid.wxyz = wxyz(make(R_map_level @ _R_LEVEL_IMAGE, np.zeros(3)))
+        self._grid.wxyz = wxyz(make(_levelled(T_map_base) @ _R_LEVEL_IMAGE, np.zeros(3)))
         self._grid.position = np.array([*T_map_base[:2, 3], floor_m + _LIFT_M])
         self._grid.visible = visible
 
@@ -122,8 +149,14 @@ class CloseUpLayer:
         )
 
     def _clear(self) -> None:
-        for handle in (*self._points.values(), self._grid):
+        for handle in (*self._points.values(), *self._surfaces.values(), self._grid):
             if handle is not None:
                 handle.remove()
         self._points.clear()
+        self._surfaces.clear()
         self._grid, self._tried_grid = None, False
+
+
+def _levelled(T_map_base: Pose) -> NDArray[np.float64]:
+    """Rotation (3, 3) of the levelled base frame in the map."""
+    return so3_exp(np.array([0.0, 0.0, yaw(T_map_base)]))

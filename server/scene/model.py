@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.scene.cloud_points import spread_points
+from server.scene.matt import as_matt_glb
 from slam.database import MapReader
 from slam.database.images import decode_color
 from slam.database.mesh_rows import Cloud, Mesh
@@ -46,7 +47,7 @@ class ModelLayer:
         try:
             mesh, cloud = reader.mesh(), reader.cloud()
             if mesh is not None:
-                return self._scene.add_mesh_trimesh("/model", as_trimesh(mesh))
+                return self._scene.add_glb("/model", as_matt_glb(as_trimesh(mesh)))
         except DatabaseError as error:
             _LOG.warning("no model: %s", error)
             return None

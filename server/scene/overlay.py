@@ -13,7 +13,7 @@ from server.scene.colours import Theme
 from server.scene.node_points import node_points
 from server.scene.placed import PlacedGraph
 from server.scene.tone import Rgb
-from server.schemas.scene import Overlay
+from server.schemas.scene import Overlay, OverlayPoints
 from slam.errors import SlamError
 from slam.geometry import Pose, inverse
 
@@ -31,28 +31,37 @@ class OverlayLayer:
     def __init__(self, scene: SceneApi) -> None:
         self._scene = scene
         self._handles: dict[int, PointCloudHandle] = {}
-        self._shown: tuple[Pair, Theme] | None = None
+        self._shown: tuple[Pair, Theme, OverlayPoints] | None = None
 
-    def draw(self, snapshot: Snapshot, graph: PlacedGraph, pair: Pair | None, how: Overlay | None, look: Theme) -> bool:
-        """Show the clouds of a link's nodes placed this way; whether there is something to show."""
+    def draw(
+        self,
+        snapshot: Snapshot,
+        graph: PlacedGraph,
+        pair: Pair | None,
+        how: Overlay | None,
+        look: Theme,
+        *,
+        of: OverlayPoints = "cloud",
+    ) -> bool:
+        """Show the clouds, or the scans, of a link's nodes placed this way; whether there is something to show."""
         placed = _placed(snapshot, graph, pair, how)
-        wanted = None if pair is None or placed is None else (pair, look)
+        wanted = None if pair is None or placed is None else (pair, look, of)
         if wanted != self._shown:
             self._clear()
             self._shown = wanted
             if pair is not None and placed is not None:
                 colours = (look.overlay_from, look.overlay_to)
                 for node_id, T, rgb in zip(pair, placed, colours, strict=True):
-                    self._send(snapshot, node_id, T, rgb)
+                    self._send(snapshot, node_id, T, rgb, of)
         for node_id, T in zip(pair or (), placed or (), strict=False):
             if node_id in self._handles:
                 self._handles[node_id].wxyz, self._handles[node_id].position = wxyz(T), T[:3, 3]
         return bool(self._handles)
 
-    def _send(self, snapshot: Snapshot, node_id: int, T_map_base: Pose, rgb: Rgb) -> None:
+    def _send(self, snapshot: Snapshot, node_id: int, T_map_base: Pose, rgb: Rgb, of: OverlayPoints) -> None:
         images = {*snapshot.reader.nodes_with("image").tolist()} & {*snapshot.reader.nodes_with("depth").tolist()}
         try:
-            usable = node_id in images and node_id in snapshot.calibrated
+            usable = of == "cloud" and node_id in images and node_id in snapshot.calibrated
             cloud = node_points(snapshot.reader, node_id, T_map_base, _POINTS, images=usable)
         except SlamError:
             # A node without a cloud: the other one is shown alone.

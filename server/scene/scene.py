@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from server.browse.map_view import MapView
 from server.browse.past import Then
 from server.browse.snapshot import Pair
+from server.scene.changes import changed
 from server.scene.colours import NAMED
 from server.scene.shown import OptimisedPath, Shown
 from server.schemas import LoopWhatIf
@@ -27,6 +28,8 @@ _LOG = logging.getLogger(__name__)
 _PAUSE_S, _SCRUB_S = 0.15, 0.01
 #: A moment that stays this long is drawn with all that takes longer.
 _SETTLED_S = 0.25
+#: How often to look whether somebody still waits for an answer.
+_POLITE_S = 0.02
 
 Tell = Callable[[Scene], None]
 
@@ -114,49 +117,17 @@ class MapScene:
         self._changed.set()
 
     def state(self) -> Scene:
-        """What is shown, and how."""
+        """What is shown, and how; another one after each change."""
         with self._lock:
-            return self._state.model_copy(deep=True)
+            return self._state
 
     def change(self, change: SceneChange) -> Scene:
-        """Take over what the change names and draw it soon; selecting a node deselects a link, and the reverse."""
-        named = change.model_fields_set
+        """Take over what the change names and draw it soon."""
         with self._lock:
-            state = self._state
-            if change.layers is not None:
-                layers = state.layers.model_dump() | change.layers.model_dump(exclude_none=True)
-                state.layers = SceneLayers(**layers)
-            state.colour = change.colour if change.colour is not None else state.colour
-            state.dark = change.dark if change.dark is not None else state.dark
-            state.node_parts = state.node_parts if change.node_parts is None else list(change.node_parts)
-            state.alone = state.alone if change.alone is None else change.alone
-            if "what_if" in named:
-                state.what_if = change.what_if
-            if "trial" in named:
-                state.trial = change.trial
-            if "overlay" in named:
-                state.overlay = change.overlay
-            if "optimised" in named:
-                state.optimised = change.optimised
-            if change.hidden_links is not None:
-                state.hidden_links = change.hidden_links
-            if change.hidden_sessions is not None:
-                state.hidden_sessions = change.hidden_sessions
-            if "at" in named:
-                state.at = change.at
-                state.placing, state.placing_note = ("now", "") if change.at is None else (state.placing, "")
-            if "selected_node" in named:
-                state.selected_node = change.selected_node
-                if change.selected_node is not None:
-                    state.selected_link = None
-            if "selected_link" in named:
-                state.selected_link = change.selected_link
-                if change.selected_link is not None and change.selected_node is None:
-                    state.selected_node = None
-            state.revision += 1
+            state = self._state = changed(self._state, change)
         self.refresh()
         self._tell()
-        return self.state()
+        return state
 
     def close(self) -> None:
         """Stop drawing and close the port; what is to be shown is kept."""
@@ -196,11 +167,12 @@ class MapScene:
         placing: Placing = "then" if then.poses is not None else "now" if then.failure else "soon"
         said = {"placing": placing, "placing_note": then.failure or ""}
         with self._lock:
-            changed = any(getattr(self._state, name) != value for name, value in said.items())
-            if changed:
+            # Somebody may have gone on meanwhile: what is told of a moment belongs to that one alone.
+            is_news = self._state.at == drawn.at and any(getattr(self._state, name) != said[name] for name in said)
+            if is_news:
                 self._state = self._state.model_copy(update={**said, "revision": self._state.revision + 1})
             drawn = drawn.model_copy(update={**said, "revision": self._state.revision})
-        if changed:
+        if is_news:
             self._tell()
         return drawn
 
@@ -237,7 +209,10 @@ class MapScene:
         return None if state.trial is None else self._trial(state.trial)
 
     def _work(self) -> None:
-        """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did."""
+        """Draw whenever something changed, and send missing clouds, some at a time, whenever nothing did.
+
+        Clouds let pass whoever waits for an answer about the map: they take seconds of the interpreter's time.
+        """
         pending = False
         while not self._closing.is_set():
             try:
@@ -250,7 +225,7 @@ class MapScene:
                     self._stale.set()
                     self._draw()
                 if not self._changed.is_set():
-                    pending = not self._closing.is_set() and self._painter.load_some()
+                    pending = not self._closing.is_set() and (self.view.asked.is_urgent or self._painter.load_some())
             except SlamError as error:
                 # The file is gone or can't be read now: what is shown stays, the next change tries again.
                 _LOG.warning("the 3D view of %s is not drawn anew: %s", self.view.file.name, error)
@@ -260,7 +235,7 @@ class MapScene:
     def _idle_s(self, pending: bool) -> float | None:
         """How long to wait for a change before something else is done; None where nothing else is to be done."""
         if pending:
-            return 0.0
+            return _POLITE_S if self.view.asked.is_urgent else 0.0
         if not self._incomplete:
             return None
         return 0.0 if self._patient else _SETTLED_S

@@ -49,6 +49,8 @@ class MapInfo(MapFacts):
     id: str
     name: str
     loops: int
+    refused: int
+    """Loops that were looked at and are no links, or no more."""
     live: bool
     """Whether an engine is mapping it now."""
     writable: bool
@@ -58,6 +60,14 @@ class MapInfo(MapFacts):
     notes: list[str]
     """What is missing in the file and what was made up for, in sentences."""
     session_list: list[SessionFacts]
+    has_scans: bool
+    """Whether a node has points of a scanner."""
+    span_s: float
+    """Seconds from the first to the last node, sessions added up."""
+    odometry_m: float
+    """Length of odometry's path, sessions added up."""
+    map_m: float | None
+    """The same through the optimised poses; None where no node has one."""
     has_model: bool
     """Whether a mesh or cloud of the whole map is stored."""
     faults: list[RowFault]

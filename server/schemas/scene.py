@@ -13,13 +13,15 @@ from server.schemas.optimising import ShownOptimisation
 Colouring = Annotated[str, Field(max_length=200)]
 #: The measured transform of the link, or the optimised poses.
 Overlay = Literal["link", "poses"]
+#: Points of depth images, or of scanners.
+OverlayPoints = Literal["cloud", "scan"]
 #: Where nodes stand: where they are now, where they were at the moment shown, or there as soon as that is worked out.
 Placing = Literal["now", "then", "soon"]
 #: Links that are drawn alike; refused loops are links that never were.
 LinkClass = Literal["neighbor", "loop", "proximity", "time", "user", "virtual", "refused", "landmark"]
 
 #: What a node has to be seen close up.
-NodePart = Literal["cloud", "words", "scan", "grid", "frustum"]
+NodePart = Literal["cloud", "mesh", "words", "scan", "grid", "elevation", "frustum"]
 
 
 class SceneLayers(Schema):
@@ -53,6 +55,8 @@ class Scene(Schema):
     """The trial whose loops and path are shown as ghosts, where no threshold's are."""
     overlay: Overlay | None = None
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
+    overlay_of: OverlayPoints = "cloud"
+    """Of what those clouds are: of depth images, and scans where there are none, or of scans alone."""
     at: int | None = None
     """The node of the update that is shown; null for the map as it is now."""
     hidden_links: list[LinkClass] = Field(default_factory=list)
@@ -92,6 +96,7 @@ class SceneChange(Schema):
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
     trial: Annotated[int, Field(ge=1)] | None = None
     overlay: Overlay | None = None
+    overlay_of: OverlayPoints | None = None
     at: Annotated[int, Field(ge=1)] | None = None
     hidden_links: list[LinkClass] | None = None
     hidden_sessions: Annotated[list[int], Field(max_length=10_000)] | None = None

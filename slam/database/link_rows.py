@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,17 +89,30 @@ def read_links(connection: Connection, faults: Faults | None = None) -> list[Lin
     """
     query = select(link.c.from_id, link.c.to_id, link.c.type, link.c.information_matrix, link.c.transform)
     rows = list(each_sound("Link", connection.execute(query.order_by(text("rowid"))), _columns, faults, columns=2))
-    ids, informations, transforms = zip(*rows, strict=True) if rows else ((),) * 3
+    ends, informations, transforms = zip(*rows, strict=True) if rows else ((),) * 3
     stack, poses = stack_informations(informations), stack_transforms(transforms)
-    sound, known = sound_informations(stack).tolist(), np.isfinite(poses[:, 0, 0]).tolist()
-    matrices = zip(ids, stack, sound, poses, known, transforms, strict=True)
-    found: dict[tuple[int, int, bool], Link] = {}
-    for item in each_sound("Link", ((*row[0][:2], row) for row in matrices), _link, faults, columns=2):
-        # A node may have a prior and gravity, both links to itself.
-        key = (*item.pair, item.type == LinkType.GRAVITY)
-        if key not in found or found[key].from_id <= found[key].to_id or item.from_id > item.to_id:
-            found[key] = item
-    return [found[key] for key in sorted(found)]
+    known = np.isfinite(poses[:, 0, 0])
+    good = sound_informations(stack)
+    good[[row for row in np.flatnonzero(~known) if transforms[row] is not None and any(transforms[row])]] = False
+    bad = ((*ends[row][:2], stack[row]) for row in np.flatnonzero(~good))
+    list(each_sound("Link", bad, _refused, faults, columns=2))
+    kept = _one_of_each(np.array(ends, np.int64).reshape(-1, 3), good).tolist()
+    found = ((ends[row], poses[row] if known[row] else None, stack[row]) for row in kept)
+    return [Link(from_id, to_id, kind, T, information) for (from_id, to_id, kind), T, information in found]
+
+
+def _one_of_each(numbers: NDArray[np.int64], good: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Of the good rows (N, 3) of ids and type one for each pair: the last from a newer node, else the last.
+
+    A node may have a prior and gravity, both links to itself.
+    """
+    rows = np.flatnonzero(good)
+    from_id, to_id, kind = numbers[rows].T
+    keys = np.minimum(from_id, to_id), np.maximum(from_id, to_id), kind == LinkType.GRAVITY
+    order = np.lexsort((rows, from_id > to_id, *reversed(keys)))
+    last = np.ones(len(order), np.bool_)
+    last[:-1] = np.any([key[order][1:] != key[order][:-1] for key in keys], axis=0)
+    return rows[order[last]]
 
 
 def read_link_user_data(connection: Connection, from_id: int, to_id: int) -> NDArray[np.generic] | None:
@@ -113,9 +126,11 @@ def read_link_user_data(connection: Connection, from_id: int, to_id: int) -> NDA
 
 def count_one_way(connection: Connection) -> int:
     """Number of neighbour links that lack the reverse."""
-    rows = connection.execute(select(link.c.from_id, link.c.to_id).where(link.c.type == int(LinkType.NEIGHBOR)))
-    pairs = {(row.from_id, row.to_id) for row in rows}
-    return sum((b, a) not in pairs for a, b in pairs)
+    steps = link.c.type == int(LinkType.NEIGHBOR)
+    forth, back = (
+        select(*ends).where(steps) for ends in ((link.c.from_id, link.c.to_id), (link.c.to_id, link.c.from_id))
+    )
+    return connection.scalar(select(func.count()).select_from(forth.except_(back).subquery())) or 0
 
 
 def _check(item: Link) -> None:
@@ -151,10 +166,7 @@ def _columns(row: Any) -> tuple[tuple[int, int, LinkType], bytes | None, bytes |
     return (from_id, to_id, link_type_of(kind)), *blobs
 
 
-def _link(named: tuple[Any, ...]) -> Link:
-    (from_id, to_id, kind), information, sound, T_from_to, known, transform = named[-1]
-    if not sound:
-        check_information(information)
-    if not known and transform is not None and any(transform):
-        raise DatabaseError("its transform is no rigid motion of finite numbers")
-    return Link(from_id, to_id, kind, T_from_to if known else None, information)
+def _refused(named: tuple[int, int, NDArray[np.float64]]) -> NoReturn:
+    """Say what is wrong with a row whose information or transform is."""
+    check_information(named[-1])
+    raise DatabaseError("its transform is no rigid motion of finite numbers")

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Connection, insert, select
 
-from slam.database.blobs import pack_pose, unpack_pose
+from slam.database.blobs import pack_pose, unpack_poses
 from slam.database.deck_tables import hypothesis, update
 from slam.database.deck_values import UpdateRow
 from slam.database.faults import Faults, each_sound, node_id_of, number_of, text_of, whole_of
 from slam.database.insertion import insert_rows
 from slam.errors import DatabaseError
+from slam.geometry import Pose
 from slam.types import Posterior, Tier, Update
 
 #: Places kept of each belief: the most probable ones. The virtual place comes on top, under this id.
@@ -50,8 +51,9 @@ def insert_update(connection: Connection, node_id: int, item: Update) -> None:
 
 def read_updates(connection: Connection, after: int, faults: Faults | None = None) -> list[UpdateRow]:
     """The updates after node ``after``, ascending. Rows that make no sense go to ``faults``."""
-    rows = connection.execute(select(update).where(update.c.id > after).order_by(update.c.id))
-    return list(each_sound(update.name, rows, _update_row, faults))
+    rows = connection.execute(select(update).where(update.c.id > after).order_by(update.c.id)).all()
+    poses = zip((row.id for row in rows), rows, unpack_poses([row.T_map_base for row in rows]), strict=True)
+    return list(each_sound(update.name, poses, lambda item: _update_row(item[1], item[2]), faults))
 
 
 def read_belief(connection: Connection, update_id: int) -> Posterior | None:
@@ -103,13 +105,13 @@ def _best_rows(belief: Posterior) -> NDArray[np.intp]:
     return order[:KEPT_PLACES]
 
 
-def _update_row(row: Any) -> UpdateRow:
+def _update_row(row: Any, T_map_base: Pose | None) -> UpdateRow:
     return UpdateRow(
         id=node_id_of(row.id),
         frame_index=whole_of(row.frame_index, "frame_index"),
         stamp=number_of(row.stamp, "stamp"),
         weight=whole_of(row.weight, "weight"),
-        T_map_base=unpack_pose(row.T_map_base),
+        T_map_base=T_map_base,
         best_id=whole_of(row.best_id, "best_id"),
         value=_number(row.value),
         virtual_place=_number(row.virtual_place),

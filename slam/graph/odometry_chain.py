@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from slam.geometry import Array, adjoint, inverse
-from slam.graph.graph import Pair, PoseGraph, all_ascending
+from slam.graph.graph import PoseGraph, all_ascending
 from slam.types import Link, LinkType
 
 _STEPS = (LinkType.NEIGHBOR, LinkType.NEIGHBOR_MERGED)
@@ -38,58 +38,59 @@ class OdometryChain:
     """
 
     def __init__(self, graph: PoseGraph) -> None:
-        steps = _steps(graph)
-        ids = sorted(graph.poses)
-        self._row = {node_id: row for row, node_id in enumerate(ids)}
-        self._path: dict[int, int] = {}
-        self._poses = np.tile(np.eye(4), (len(ids), 1, 1))
-        before = np.full(len(ids), -1)
-        covariances = np.zeros((len(ids), 6, 6))
-        for row, node_id in enumerate(ids):
-            # The nearest earlier node that odometry joins with this one.
-            nearest = max((i for i in graph.neighbors(node_id) if (i, node_id) in steps), default=None)
-            self._path[node_id] = node_id if nearest is None else self._path[nearest]
-            if nearest is not None:
-                T_before_node, covariances[row] = steps[nearest, node_id]
-                before[row] = self._row[nearest]
-                self._poses[row] = self._poses[before[row]] @ T_before_node
+        self._ids = np.array(sorted(graph.poses), np.int64)
+        before, T_before_node, covariances = _steps(graph, self._ids)
+        # The row in which each path begins.
+        self._path = np.arange(len(before))
+        self._poses = np.tile(np.eye(4), (len(before), 1, 1))
+        joined = np.flatnonzero(before >= 0)
+        for row, nearest in zip(joined.tolist(), before[joined].tolist(), strict=True):
+            self._path[row] = self._path[nearest]
+            np.matmul(self._poses[nearest], T_before_node[row], out=self._poses[row])
         Ad = adjoint(self._poses)
         self._sums = Ad @ covariances @ np.swapaxes(Ad, 1, 2)
-        for row in np.flatnonzero(before >= 0).tolist():
-            self._sums[row] += self._sums[before[row]]
+        for row, nearest in zip(joined.tolist(), before[joined].tolist(), strict=True):
+            self._sums[row] += self._sums[nearest]
 
-    def relative(self, a: Iterable[int], b: Iterable[int]) -> Relative:
+    def relative(self, a: ArrayLike, b: ArrayLike) -> Relative:
         """From nodes a (N,) to nodes b (N,); ids that the graph has."""
-        a, b = list(a), list(b)
-        rows_a, rows_b = ([self._row[i] for i in ids] for ids in (a, b))
-        known = np.array([self._path[i] == self._path[j] for i, j in zip(a, b, strict=True)], np.bool_)
+        rows_a, rows_b = (np.searchsorted(self._ids, ids) for ids in (a, b))
+        known = self._path[rows_a] == self._path[rows_b]
         T_path_b = self._poses[rows_b]
         # Errors of the steps between them are the same whichever way one goes.
         difference = self._sums[rows_b] - self._sums[rows_a]
-        later = np.array(rows_b) >= np.array(rows_a)
-        difference = np.where(later[:, None, None], difference, -difference)
+        difference = np.where((rows_b >= rows_a)[:, None, None], difference, -difference)
         Ad = adjoint(inverse(T_path_b))
         covariance = Ad @ difference @ np.swapaxes(Ad, 1, 2)
         T_a_b = np.where(known[:, None, None], inverse(self._poses[rows_a]) @ T_path_b, np.eye(4))
         return Relative(T_a_b, 0.5 * (covariance + np.swapaxes(covariance, 1, 2)), known)
 
 
-def _steps(graph: PoseGraph) -> dict[Pair, tuple[Array, Array]]:
-    """Transform and covariance of every step of odometry, from its smaller id."""
+def _steps(graph: PoseGraph, ids: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array, Array]:
+    """Of each node the step of odometry that leads to it: from the nearest earlier node that has one.
+
+    Returns:
+        Row (N,) of that node in ``ids``, -1 without a step; transform (N, 4, 4) and covariance (N, 6, 6) of the step.
+    """
     links = sound([link for link in graph.links.values() if link.type in _STEPS])
-    T, covariances = transforms(links), np.linalg.inv(informations(links))
-    return {link.pair: (T[k], covariances[k]) for k, link in enumerate(links)}
+    rows = np.searchsorted(ids, np.array([link.pair for link in links], np.int64).reshape(-1, 2))
+    # Of several steps to a node the one written last stays: from the largest id.
+    order = np.argsort(rows[:, 0])
+    earlier, later = rows[order].T
+    before, T, covariances = np.full(len(ids), -1), np.zeros((len(ids), 4, 4)), np.zeros((len(ids), 6, 6))
+    before[later], T[later] = earlier, transforms(links)[order]
+    covariances[later] = np.linalg.inv(informations(links))[order]
+    return before, T, covariances
 
 
 def sound(links: Iterable[Link]) -> list[Link]:
     """Those whose transform and covariance can be reckoned with (files of other programs hold anything), ascending."""
-    finite = [
-        link
-        for link in links
-        if link.T_from_to is not None and np.isfinite(link.T_from_to).all() and np.isfinite(link.information).all()
-    ]
-    positive = np.linalg.eigvalsh(informations(finite))[:, 0] > 0.0
-    return all_ascending([link for link, good in zip(finite, positive, strict=True) if good])
+    given = [link for link in links if link.T_from_to is not None]
+    stack = informations(given)
+    good: NDArray[np.bool_] = np.asarray(np.isfinite(transforms(given)).all(axis=(1, 2)))
+    good &= np.isfinite(stack).all(axis=(1, 2))
+    good[good] = np.linalg.eigvalsh(stack[good])[:, 0] > 0.0
+    return all_ascending([given[row] for row in np.flatnonzero(good)])
 
 
 def transforms(links: Sequence[Link]) -> Array:

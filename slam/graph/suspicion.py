@@ -147,7 +147,7 @@ def _against_odometry(chain: OdometryChain, loops: Sequence[Link]) -> Array:
     """(N,) sigmas between each loop and the path between its ends."""
     if not loops:
         return np.zeros(0)
-    path = chain.relative((link.from_id for link in loops), (link.to_id for link in loops))
+    path = chain.relative(*_pairs(loops).T)
     sigmas = _sigmas(transforms(loops), path.T_a_b, _covariances(loops) + path.covariance)
     return np.where(path.known, sigmas, np.nan)
 
@@ -163,9 +163,9 @@ def _against_each_other(chain: OdometryChain, judged: Sequence[Link], trusted: S
     if not len(rows):
         return found
     others = near[rows, columns]
-    a, b = np.array([link.pair for link in judged])[rows], np.array([link.pair for link in trusted])[others]
-    out = chain.relative(a[:, 0].tolist(), b[:, 0].tolist())
-    back = chain.relative(b[:, 1].tolist(), a[:, 1].tolist())
+    a, b = _pairs(judged)[rows], _pairs(trusted)[others]
+    out = chain.relative(a[:, 0], b[:, 0])
+    back = chain.relative(b[:, 1], a[:, 1])
     T_b, known = transforms(trusted)[others], out.known & back.known
     # Errors on the way, carried to the end of the way.
     covariance = _covariances(judged)[rows] + back.covariance
@@ -188,7 +188,7 @@ def _near(judged: Sequence[Link], trusted: Sequence[Link]) -> NDArray[np.int64]:
 
     A loop is none of those near it.
     """
-    pairs, ends = (np.array([link.pair for link in links], np.int32).reshape(-1, 2) for links in (judged, trusted))
+    pairs, ends = _pairs(judged), _pairs(trusted)
     most = min(_NEIGHBORS + 1, len(ends))
     found = np.full((len(pairs), _NEIGHBORS), -1, np.int64)
     for first in range(0, len(pairs) if most else 0, _PART):
@@ -228,6 +228,11 @@ def _carried(covariance: Array, T_end: Array) -> Array:
     """Covariances (N, 6, 6) of a frame in axes of one that lies at ``T_end`` (N, 4, 4) from it."""
     Ad = adjoint(inverse(T_end))
     return np.asarray(Ad @ covariance @ np.swapaxes(Ad, 1, 2))
+
+
+def _pairs(loops: Sequence[Link]) -> NDArray[np.int64]:
+    """(N, 2) both ids of each, smaller first."""
+    return np.array([link.pair for link in loops], np.int64).reshape(-1, 2)
 
 
 def _covariances(loops: Sequence[Link]) -> Array:

@@ -28,10 +28,19 @@ def write_pgm(path: Path, grid: OccupancyGrid) -> Path:
     Raises:
         DatabaseError: a file can't be written.
     """
+    save(path, as_pgm(grid))
+    yaml = path.with_suffix(".yaml")
+    save(yaml, as_yaml(grid, path.name))
+    return yaml
+
+
+def as_pgm(grid: OccupancyGrid) -> bytes:
+    """The image, as ``write_pgm`` has it."""
     shades = np.where(grid.cells < 0, _UNKNOWN, np.where(grid.cells >= 50, _OCCUPIED, _FREE)).astype(np.uint8)
     header = f"P5\n{shades.shape[1]} {shades.shape[0]}\n255\n".encode("ascii")
-    save(path, header + shades[::-1].tobytes())
-    yaml = path.with_suffix(".yaml")
-    text = _YAML.format(image=path.name, size=repr(grid.cell_size), x=repr(grid.x_min), y=repr(grid.y_min))
-    save(yaml, text)
-    return yaml
+    return header + shades[::-1].tobytes()
+
+
+def as_yaml(grid: OccupancyGrid, image: str) -> str:
+    """What map_server must know of the image file of this name."""
+    return _YAML.format(image=image, size=repr(grid.cell_size), x=repr(grid.x_min), y=repr(grid.y_min))

@@ -17,6 +17,9 @@ from slam.geometry import Pose
 Points = NDArray[np.float32]
 Colors = NDArray[np.uint8]
 
+#: Points of several clouds together from which on they are thinned on the way.
+_THINNED_AT = 2_000_000
+
 
 def node_cloud(
     image_bgr: Colors, depth_m: NDArray[np.float32], camera: Camera, step: int = 1, max_depth_m: float = 0.0
@@ -64,10 +67,15 @@ def assemble(clouds: Iterable[tuple[Pose, Points, Colors]], voxel_m: float) -> t
         (M, 3) points of the map frame and (M, 3) colours.
     """
     merged: Any = None
+    most = _THINNED_AT
     for T_map_base, points, colors in clouds:
         moved = points @ T_map_base[:3, :3].T + T_map_base[:3, 3]
         cloud = _open3d_cloud(moved, colors).voxel_down_sample(voxel_m)
         merged = cloud if merged is None else merged + cloud
+        if len(merged.points) > most:
+            # Places that were seen many times must not fill the memory.
+            merged = merged.voxel_down_sample(voxel_m)
+            most = max(_THINNED_AT, 2 * len(merged.points))
     if merged is None:
         return np.zeros((0, 3), dtype=np.float32), np.zeros((0, 3), dtype=np.uint8)
     merged = merged.voxel_down_sample(voxel_m)
@@ -86,7 +94,14 @@ def write_ply(path: Path, points: Points, colors: Colors) -> None:
     open3d = _open3d()
     cloud = open3d.t.geometry.PointCloud(open3d.core.Tensor(np.asarray(points, dtype=np.float32)))
     cloud.point.colors = open3d.core.Tensor(np.asarray(colors, dtype=np.uint8))
-    if not open3d.t.io.write_point_cloud(str(path), cloud):
+    part = path.with_name(f".{path.stem}.part.ply")
+    try:
+        written = open3d.t.io.write_point_cloud(str(part), cloud) and part.replace(path)
+    except OSError:
+        written = None
+    finally:
+        part.unlink(missing_ok=True)
+    if not written:
         raise DatabaseError(f"{path}: the point cloud can't be written; name a file in a writable folder")
 
 

@@ -67,6 +67,13 @@ def node_views(reader: ViewReader, node_id: int) -> tuple[View, ...]:
     )
 
 
+def disparity_px(view: View, baseline: float) -> NDArray[np.float32]:
+    """Disparity (h, w) of a stereo pair in pixels of its depth image, 0 where unknown; the baseline in metres."""
+    known = view.depth_m > 0
+    focal_px = view.camera.fx * view.depth_m.shape[1] / view.camera.width
+    return np.where(known, np.float32(focal_px * baseline) / np.where(known, view.depth_m, 1.0), 0.0).astype(np.float32)
+
+
 def _tiles(image: NDArray[Pixel], count: int) -> list[NDArray[Pixel]]:
     """Parts (H, W / count, ...) of an image, left to right."""
     width = image.shape[1] // count

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from slam.database import Faults, MapReader, NodeTable
 from slam.database.flaws import Flaws
+from slam.geometry import Pose
 from slam.types import WEIGHT_INTERMEDIATE, WEIGHT_INVALID
 
 #: Ids that are named before the rest is only counted.
 _NAMED = 5
+_NOWHERE = np.full((4, 4), np.nan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,22 @@ class Description:
     missing: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class PathSize:
+    """Seconds and metres of a map's path, sessions added up; ``map_m`` is None where no pose is known."""
+
+    span_s: float
+    odometry_m: float
+    map_m: float | None
+
+
+def path_size(table: NodeTable, poses: Mapping[int, Pose]) -> PathSize:
+    """How long the path of these nodes is, by odometry and by poses (id -> ``T_map_base``)."""
+    at_map = np.array([poses.get(i, _NOWHERE) for i in table.ids.tolist()]).reshape(-1, 4, 4)
+    span_s = sum(float(np.ptp(table.stamps[rows])) for rows in _sessions(table))
+    return PathSize(span_s, _length(table, table.T_odom), _length(table, at_map) if poses else None)
+
+
 def describe(reader: MapReader, faults: Faults | None = None) -> Description:
     """Look at nodes, links and key points of a file.
 
@@ -51,8 +69,7 @@ def describe(reader: MapReader, faults: Faults | None = None) -> Description:
         DatabaseError: it can't be read.
     """
     table, poses = reader.nodes(faults), reader.poses()
-    kept = table.weights > WEIGHT_INVALID
-    at_map = np.array([poses.get(i, np.full((4, 4), np.nan)) for i in table.ids.tolist()]).reshape(-1, 4, 4)
+    kept, path = table.weights > WEIGHT_INVALID, path_size(table, poses)
     return Description(
         weights={
             "seen once": int((table.weights == 0).sum()),
@@ -61,9 +78,9 @@ def describe(reader: MapReader, faults: Faults | None = None) -> Description:
             "dropped": int((~kept).sum()),
         },
         labels={label: i for i, label in zip(table.ids.tolist(), table.labels, strict=True) if label},
-        span_s=sum(float(np.ptp(table.stamps[rows])) for rows in _sessions(table)),
-        odometry_m=_length(table, table.T_odom),
-        map_m=_length(table, at_map) if poses else None,
+        span_s=path.span_s,
+        odometry_m=path.odometry_m,
+        map_m=path.map_m,
         with_images=len(reader.nodes_with("image")),
         with_truth=int(np.isfinite(table.T_world[kept]).all(axis=(1, 2)).sum()),
         missing=tuple(_missing(reader, table, len(poses), faults)),

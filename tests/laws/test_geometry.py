@@ -162,6 +162,12 @@ def test_quaternions_carry_rotations(R: np.ndarray, t: np.ndarray, length: float
     assert np.array_equal(g.to_quat_xyzw(T), g.to_quat_xyzw(T[:3, :3]))
 
 
+@given(st.lists(poses, max_size=5))
+def test_quaternions_of_many_are_those_of_each(stack: list[np.ndarray]) -> None:
+    found = g.to_quats_xyzw(np.array(stack).reshape(-1, 4, 4))
+    assert close(found, np.array([g.to_quat_xyzw(T) for T in stack]).reshape(-1, 4), 1e-15)
+
+
 @given(axes, angles)
 def test_quaternions_have_half_the_angle(axis: np.ndarray, angle: float) -> None:
     x, y, z, w = g.to_quat_xyzw(g.so3_exp(axis * angle))

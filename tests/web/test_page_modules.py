@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 from playwright.sync_api import Browser, Page, Route
 
 WEB = Path(__file__).resolve().parents[2] / "web"
@@ -67,6 +69,34 @@ def test_a_link_reopens_what_it_names(modules: Page, route: dict[str, Any]) -> N
         route,
     )
     assert parsed == route
+
+
+@pytest.mark.parametrize(
+    "filter",
+    [
+        {"states": ["added", "refused"], "suspect": True, "type": "GlobalClosure", "minInliers": 40, "session": 0},
+        {"ranges": {"doubt": [1, None], "residual_sigma": [None, 2.5], "graph_distance": [0, 30]}},
+    ],
+)
+def test_a_filter_of_the_queue_is_in_its_address(modules: Page, filter: dict[str, Any]) -> None:
+    whole = {**call(modules, "loop_list.js", "m.NO_FILTER"), **filter}
+    assert call(modules, "loop_query.js", "m.filterOf(new URLSearchParams(m.queryOf(a)))", whole) == whole
+
+
+@pytest.mark.parametrize("query", ["", "tab=jobs", "at=12&from=3&to=4", "inliers=many&session=&in-doubt=..&in-no=1.."])
+def test_an_address_without_a_filter_names_none(modules: Page, query: str) -> None:
+    assert call(modules, "loop_query.js", "m.filterOf(new URLSearchParams(a))", query) is None
+
+
+def test_a_row_that_is_here_is_found_and_told_of_at_once(modules: Page) -> None:
+    code = """(() => {
+        const rows = Object.assign(new m.Window("tour"), {loaded: true});
+        rows.pages.set(0, a.map((id) => ({id})));
+        const before = rows.revision.value;
+        rows.seek(a[1]);
+        return [rows.sought(), rows.revision.value > before];
+    })()"""
+    assert call(modules, "window.js", code, [5, 7]) == [1, True]
 
 
 @pytest.mark.parametrize("text", ["", "#", "#/nowhere", "#/map", "#/map/tour/nowhere/5", "#/%E0%A4%A"])
@@ -142,3 +172,20 @@ def test_columns_grow_by_what_is_new_and_stay_in_step(modules: Page) -> None:
     assert ids == one == two == list(range(1, len(ids) + 1))
     assert last == ids[-1]
     assert "after=0" not in asked[-1], "only what is new is fetched"
+
+
+@given(values=st.lists(st.integers(1, 100), min_size=20, max_size=150), spike=st.integers(1, 10**6))
+@example(values=[30] * 122, spike=380)
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_only_one_value_in_a_hundred_is_cut_off_a_chart_and_only_if_it_flattens_the_rest(
+    modules: Page, values: list[int], spike: int
+) -> None:
+    found = call(modules, "parts/chart_range.js", "m.ceiling([a])", [*values, None, spike])
+    most = sorted([*values, spike], reverse=True)
+    if found is not None:
+        above = [value for value in most if value > found]
+        assert 1 <= len(above) <= max(1, len(most) // 100) and min(above) > 4 * found
+        assert found in most
+    elif len(most) < 200:
+        assert most[0] <= 4 * most[1]
+    assert call(modules, "parts/chart_range.js", "m.ceiling([a], 0, 18)", values) is None

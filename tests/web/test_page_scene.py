@@ -127,3 +127,14 @@ def test_what_is_chosen_in_a_table_is_marked_in_3d(viewed: Served, open_page: Op
     # What an earlier test selected may have been marked, and larger than a node.
     marked = near(before, DARK.selected)
     wait_until(page, lambda now: (near(now, DARK.selected) & ~marked).sum() > 10, "a mark")
+    # Its mesh comes with the colours of the room, and the picture that is saved has them as well.
+    page.get_by_role("group", name="The node in the 3D view").get_by_role("button", name="Mesh").click()
+    meshed = wait_until(page, lambda now: colours(now) > 3 * colours(before), "the mesh of the node")
+    page.get_by_role("button", name=re.compile("Save from this map")).click()
+    with page.expect_download(timeout=SLOW) as saved:
+        page.get_by_role("region", name="3D view", exact=True).get_by_role("button", name="Save").click()
+    picture = np.asarray(cv2.imread(str(saved.value.path())), np.uint8)
+    # Where drawing is slow the view has fewer pixels than its place on the page.
+    height, width = picture.shape[:2]
+    assert width / height == pytest.approx(meshed.shape[1] / meshed.shape[0], rel=0.02) and width > 200
+    assert colours(picture) > 3 * colours(before)

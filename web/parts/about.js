@@ -22,6 +22,8 @@ export function About({ map }) {
         ["Merged, dropped", text.whole(found.dropped), "Kept in the file, but no part of the map (weight -9)"],
         ["Words", text.whole(found.words)],
         ["Features", text.whole(found.features)],
+        ["Length", `${text.length(found.map_m ?? found.odometry_m)}${found.map_m === null ? " by odometry" : ""}`, `By odometry ${text.length(found.odometry_m)}; sessions added up`],
+        ["Time", text.duration(found.span_s), "From the first node to the last, sessions added up"],
         ["Format", found.version],
         ["Parameters", found.parameters ? `${Object.keys(found.parameters).length} changed` : text.NONE, "Those that differ from the defaults"],
       ],

@@ -11,18 +11,34 @@ import { useWidth } from "./use.js";
  * @property {number} aspect width / height
  * @property {Draw} draw
  * @property {unknown[]} dependencies draw again when one changes
+ * @property {number | null} [pixels] width in its own pixels, when it is saved; as wide as shown where it has none
  * @property {(place: Place | null) => void} [onPoint] where the pointer is; null once it has left
  */
 
 /** @typedef {[number, number]} Place x and y from 0 to 1, from the upper left corner */
 
+/** How to draw what a canvas shows in another size. @type {WeakMap<HTMLCanvasElement, () => HTMLCanvasElement>} */
+const copies = new WeakMap();
+
+/** What a canvas shows, in the pixels of the image itself. @param {HTMLCanvasElement} canvas */
+export function pictureOf(canvas) {
+  return copies.get(canvas)?.() ?? canvas;
+}
+
 /** @param {CanvasProps} props */
-export function Canvas({ label, aspect, draw, dependencies, onPoint }) {
+export function Canvas({ label, aspect, draw, dependencies, pixels, onPoint }) {
   const canvas = useRef(/** @type {HTMLCanvasElement | null} */ (null));
   const width = useWidth(canvas);
   useEffect(() => {
-    if (canvas.current && width > 0) paint(canvas.current, width, Math.round(width / aspect), draw);
-  }, [width, aspect, ...dependencies]);
+    if (!canvas.current || width <= 0) return;
+    paint(canvas.current, width, Math.round(width / aspect), draw);
+    copies.set(canvas.current, () => {
+      const copy = document.createElement("canvas");
+      const wide = pixels ?? width;
+      paint(copy, wide, Math.round(wide / aspect), draw, 1);
+      return copy;
+    });
+  }, [width, aspect, pixels, ...dependencies]);
   const moved = onPoint && ((/** @type {PointerEvent} */ event) => onPoint(placeOf(event)));
   return html`<canvas ref=${canvas} role="img" aria-label=${label} onPointerMove=${moved} onPointerLeave=${onPoint && (() => onPoint(null))}></canvas>`;
 }
@@ -34,9 +50,8 @@ function placeOf(event) {
   return [share(event.clientX - box.left, box.width), share(event.clientY - box.top, box.height)];
 }
 
-/** @param {HTMLCanvasElement} canvas @param {number} width @param {number} height @param {Draw} draw */
-function paint(canvas, width, height, draw) {
-  const scale = devicePixelRatio;
+/** @param {HTMLCanvasElement} canvas @param {number} width @param {number} height @param {Draw} draw @param {number} [scale] device pixels in one of CSS */
+function paint(canvas, width, height, draw, scale = devicePixelRatio) {
   canvas.width = Math.round(width * scale);
   canvas.height = Math.round(height * scale);
   canvas.style.width = `${width}px`;

@@ -4,7 +4,8 @@ import uPlot from "uplot";
 import { html } from "../html.js";
 import { color, theme } from "../theme.js";
 import { listenForDrag } from "./chart_drag.js";
-import { drawGuides } from "./chart_guides.js";
+import { drawCutOff, drawGuides } from "./chart_guides.js";
+import { ceilingOf, yRange } from "./chart_range.js";
 
 /** @typedef {(number | null)[]} Column */
 /**
@@ -29,6 +30,7 @@ import { drawGuides } from "./chart_guides.js";
  * @property {number | null} [shown] x of the moment that is shown
  * @property {boolean} [time] x is seconds, not ids
  * @property {boolean} [fromZero]
+ * @property {boolean} [spikes] a few values far above all others are cut off, and said
  * @property {(index: number) => void} [onPick] a click on a row
  * @property {number | null} [dragged] height of a line that can be dragged, null while there is none
  * @property {(value: number) => void} [onDrag]
@@ -95,7 +97,7 @@ function room(box) {
  * @returns {uPlot.Options}
  */
 function options(box, latest, setZoomed) {
-  const { lines, time = false, fromZero = true } = latest.current;
+  const { lines, time = false, fromZero = true, spikes = false } = latest.current;
   const axis = { stroke: color("ink-3"), font: '10px system-ui, "DejaVu Sans", sans-serif' };
   const grid = { stroke: color("line"), width: 1 };
   return {
@@ -104,14 +106,14 @@ function options(box, latest, setZoomed) {
     legend: { show: false },
     // Seconds and node ids don't share a cursor.
     cursor: { sync: { key: time ? CURSOR_TIME : CURSOR }, points: { size: 6 }, drag: { x: true, y: false } },
-    scales: { x: { time: false }, y: { range: (_, low, high) => yRange(low, high, fromZero, latest.current) } },
+    scales: { x: { time: false }, y: { range: (u, low, high) => yRange(low, (spikes ? ceilingOf(u) : null) ?? high, fromZero, latest.current) } },
     axes: [
       { ...axis, size: 18, gap: 2, grid: { show: false }, ticks: { show: false }, values: time ? seconds : undefined },
       { ...axis, size: 38, gap: 3, grid, ticks: { show: false }, splits: fewSplits },
     ],
     series: [{}, ...lines.map(series)],
     hooks: {
-      draw: [(u) => drawGuides(u, latest.current)],
+      draw: [(u) => drawGuides(u, latest.current), (u) => void (spikes && drawCutOff(u))],
       setCursor: [(u) => latest.current.onCursor?.(u.cursor.idx ?? null)],
       setSelect: [(u) => setZoomed(u.select.width > 0)],
       ready: [(u) => listen(u, latest, setZoomed)],
@@ -126,16 +128,6 @@ function series({ label, token, kind = "line" }) {
   const paths = kind === "bars" ? uPlot.paths.bars?.({ size: [0.8, 6, 1] }) : undefined;
   const fill = kind === "line" ? undefined : soft;
   return { label, stroke, fill, paths, width: kind === "bars" ? 0 : 1.25, points: { show: false }, spanGaps: true };
-}
-
-/** @param {number | null} low @param {number | null} high @param {boolean} fromZero @param {ChartProps} props */
-function yRange(low, high, fromZero, { thresholds = [] }) {
-  const values = [low ?? NaN, high ?? NaN, ...thresholds.map((one) => one.value)].filter(Number.isFinite);
-  const top = Math.max(...values, fromZero ? 0 : -Infinity);
-  const bottom = fromZero ? Math.min(0, ...values) : Math.min(...values);
-  if (!Number.isFinite(top) || top === bottom) return /** @type {[number, number]} */ ([bottom || 0, (bottom || 0) + 1]);
-  const air = (top - bottom) * 0.08;
-  return /** @type {[number, number]} */ ([fromZero && bottom === 0 ? 0 : bottom - air, top + air]);
 }
 
 /** Two or three lines say enough in a small chart. @param {uPlot} _ @param {number} __ @param {number} low @param {number} high */

@@ -1,5 +1,7 @@
 // What lies over a chart: dashed threshold lines, and a mark wherever a loop was closed.
+import * as text from "../format.js";
 import { color } from "../theme.js";
+import { ceilingOf } from "./chart_range.js";
 
 /** @typedef {import("uplot")} uPlot */
 /** @typedef {{value: number, token: string}} Threshold */
@@ -68,4 +70,24 @@ function drawThreshold({ ctx, bbox, valToPos }, value, stroke) {
   ctx.moveTo(bbox.left, y);
   ctx.lineTo(bbox.left + bbox.width, y);
   ctx.stroke();
+}
+
+/** How high what is cut off would reach, beside its place at the top. @param {uPlot} u */
+export function drawCutOff(u) {
+  const most = ceilingOf(u);
+  if (most === null) return;
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.fillStyle = color("ink-2");
+  ctx.font = `${10 * devicePixelRatio}px system-ui, "DejaVu Sans", sans-serif`;
+  ctx.textBaseline = "top";
+  const highest = (/** @type {number} */ row) => Math.max(...u.data.slice(1).map((column) => column[row] ?? -Infinity));
+  const [from, to] = u.series[0].idxs ?? [0, u.data[0].length - 1];
+  for (let row = from; row <= to; row++) {
+    if (highest(row) <= most) continue;
+    const [x, label] = [u.valToPos(u.data[0][row], "x", true), `↑ ${text.short(highest(row))}`];
+    ctx.textAlign = x > bbox.left + bbox.width / 2 ? "right" : "left";
+    ctx.fillText(label, x + (ctx.textAlign === "left" ? 3 : -3) * devicePixelRatio, bbox.top + 7 * devicePixelRatio);
+  }
+  ctx.restore();
 }

@@ -1,6 +1,6 @@
 // Approve, reject, undo, next: the buttons, their keys, and what the last decision did to the graph.
 import { h, html } from "../html.js";
-import { decide, deciding, lastDecision } from "../actions.js";
+import { decide, deciding, lastDecision, say } from "../actions.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
 import { openMapId } from "../router.js";
@@ -32,9 +32,10 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
   const canApprove = isLoop && measured && state !== "approved" && state !== "added";
   // One without a state was only tried to see what another threshold would mean: it can come, there is nothing to go.
   const canReject = isLoop && state !== null && state !== "rejected" && state !== "refused";
+  const nothing = (/** @type {"approve" | "reject"} */ action) => say(`${from} → ${to}: ${whyNothing(action, { state, isLoop, measured })}`);
   useKeys({
-    a: () => void (canApprove && run("approve")),
-    r: () => void (canReject && run("reject")),
+    a: () => void (locked ? say(locked) : canApprove ? run("approve") : nothing("approve")),
+    r: () => void (locked ? say(locked) : canReject ? run("reject") : nothing("reject")),
   });
   return html`<footer class="decisions">
     ${h(EffectLine, {})}
@@ -46,6 +47,19 @@ export function DecisionBar({ from, to, state, type, measured, onStep, onDecided
       ${h(Button, { id: "next", label: "Next", keys: "J", onClick: () => onStep(1) })}
     </div>
   </footer>`;
+}
+
+/**
+ * What is said when a key finds nothing to decide.
+ * @param {"approve" | "reject"} action
+ * @param {{state: string | null, isLoop: boolean, measured: boolean}} link
+ */
+export function whyNothing(action, { state, isLoop, measured }) {
+  if (!isLoop) return "only loops can be approved or rejected; this link is none";
+  if (state === "approved" || state === "added") return "it is in the map by a person's decision already; U takes that back";
+  if (state === "rejected") return "it is rejected already; A puts it back, U takes the decision back";
+  if (action === "reject") return "it is not in the graph, so that there is nothing to reject";
+  return measured ? "its evidence is on its way" : "verification found no transform that could be approved; Link makes one by hand";
 }
 
 /** Why nobody can decide now; null where one can. */
@@ -67,12 +81,13 @@ export function stopReason() {
 
 /** What the last decision made here did. */
 export function EffectLine() {
-  const last = lastDecision.value;
+  const last = lastDecision.value?.map === openMapId.value ? lastDecision.value?.made : null;
   if (deciding.value) return html`<p class="effect" role="status">Optimising the graph…</p>`;
   if (!last) return null;
   const { entry, effect, count } = last;
   const one = entry.from_id === entry.to_id ? ` node ${entry.from_id}` : ` ${entry.from_id} → ${entry.to_id}`;
-  const name = count > 1 ? ` ${text.whole(count)} entries` : one;
+  const loops = ["approve", "reject", "add"].includes(entry.action);
+  const name = count > 1 ? ` ${text.whole(count)} ${loops ? "loops" : "entries"}` : one;
   const note = last.note && html`<span class="ink-warn">${last.note}</span>`;
   return html`<p class="effect" role="status" id="effect"><span class="quiet">${PAST[entry.action] ?? entry.action}${name}</span> ${effectParts(effect)} ${note}</p>`;
 }

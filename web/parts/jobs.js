@@ -5,6 +5,7 @@ import { author, decide, deciding, told } from "../actions.js";
 import { get, post } from "../api.js";
 import { on } from "../events.js";
 import * as text from "../format.js";
+import { link } from "../router.js";
 import { Author } from "./author.js";
 import { Button, Chip } from "./button.js";
 import { Covariances } from "./covariances.js";
@@ -52,7 +53,7 @@ export function Jobs({ map }) {
       ${h(Author, {})}<span class="grow"></span>
       ${h(Button, { id: "job-start", label: "Start", kind: "accent", hint: locked ?? "What it finds is one batch: one undo takes all of it back", disabled: running || !!locked, onClick: () => void start() })}
     </div>`}
-    ${job && h(JobPanel, { job, onCancel: cancel })}
+    ${job && h(JobPanel, { map, job, onCancel: cancel })}
   </div>`;
 }
 
@@ -84,21 +85,34 @@ function RefineForm({ wanted, onChange }) {
   </div>`;
 }
 
+/**
+ * Whether a job's batch was undone since, here or in another window.
+ * @param {string} map
+ * @param {number | null} entry the batch's first, null while there is none
+ */
+function useUndone(map, entry) {
+  const { data, reload } = useFetched((signal) => (entry === null ? null : get("/api/maps/{map}/decisions", { path: { map }, signal })), [map, entry]);
+  useEffect(() => on("decision", (_, of) => of === map && reload()), [map]);
+  return Boolean(data.value?.entries.find(({ id }) => id === entry)?.undone_by);
+}
+
 /** @type {Record<Job["state"], string>} */
 const STATES = { running: "At work", done: "Done", cancelled: "Cancelled: the map is as it was", failed: "Failed" };
 
-/** @param {{job: Job, onCancel: () => Promise<void>}} props */
-function JobPanel({ job, onCancel }) {
+/** @param {{map: string, job: Job, onCancel: () => Promise<void>}} props */
+function JobPanel({ map, job, onCancel }) {
   const { state, share, log, message, decision } = job;
+  const undone = useUndone(map, decision?.entry.id ?? null);
   return html`<section class="job" aria-label="Job" id="job">
     <div class="form-row">
-      <b>${STATES[state]}</b>
+      <b>${undone ? "Done, and taken back" : STATES[state]}</b>
       <span class="quiet grow clip small">${message || (log.at(-1) ?? "")}</span>
       ${state === "running" && h(Button, { id: "job-cancel", label: "Cancel", hint: "The map stays as it was before", onClick: () => void onCancel() })}
-      ${decision && h(Button, { id: "job-undo", label: "Undo", hint: "Take the last decision back: this batch, if nothing was decided since", disabled: deciding.value, onClick: () => void decide({ action: "undo" }) })}
+      ${decision && !undone && job.kind === "detect" && html`<a class="button" id="job-review" href=${link({ view: "loops", key: null, query: { state: "added" } })} title="The loops that were found, in the queue">Review</a>`}
+      ${decision && !undone && h(Button, { id: "job-undo", label: "Undo", hint: "Take the last decision back: this batch, if nothing was decided since", disabled: deciding.value, onClick: () => void decide({ action: "undo" }) })}
     </div>
     <progress max="1" value=${share} aria-label="Done">${text.fixed(100 * share, 0)} %</progress>
-    ${decision && html`<p class="small">${text.plural(decision.count, "link")} ${job.kind === "detect" ? "added" : "refined"}: ${effectParts(decision.effect)}</p>`}
+    ${decision && html`<p class="small">${text.plural(decision.count, "link")} ${job.kind === "detect" ? "added" : "refined"}${undone ? ", all taken back since" : ""}: ${effectParts(decision.effect)}</p>`}
     ${log.length > 0 && html`<details class="fold"><summary>Log <span class="quiet">${text.whole(log.length)}</span></summary><pre class="job-log small">${log.join("\n")}</pre></details>`}
   </section>`;
 }

@@ -70,14 +70,16 @@ export function KeyPointsToggle({ node, features }) {
 /** @param {ColourProps} props */
 export function ColourPicture({ map, node, features, onPoint }) {
   const { image, missing } = useImage(node.has_image ? address("api", "maps", map, "nodes", node.id, "image") : null);
-  const over = useImage(node.has_depth && veil.value > 0 ? depthAddress(map, node.id) : null);
+  const veiled = (node.has_depth || node.has_right) && veil.value > 0;
+  const over = useImage(veiled ? depthAddress(map, node.id) : null);
   if (!node.has_image) return html`<div class="picture-none quiet">No colour image is stored.</div>`;
   if (missing) return html`<div class="picture-none quiet">The colour image can't be shown: it is damaged.</div>`;
-  const depth = veil.value > 0 && node.has_depth ? over.image : null;
+  const depth = veiled ? over.image : null;
   return h(Canvas, {
     label: `Colour image of node ${node.id}`,
     aspect: image ? image.naturalWidth / image.naturalHeight : 4 / 3,
     dependencies: [image, features, depth, veil.value, inked.value],
+    pixels: image?.naturalWidth,
     onPoint,
     draw: (ctx, width, height) => {
       if (!image) return;

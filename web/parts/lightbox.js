@@ -1,10 +1,22 @@
 // The same picture, as large as the window.
 import { useEffect, useRef } from "preact/hooks";
 import { h, html } from "../html.js";
+import { openMapId } from "../router.js";
+import { savePictures } from "../save.js";
 import { Button } from "./button.js";
+import { pictureOf } from "./canvas.js";
 
-/** @param {{title: string, close: () => void, children: import("../html.js").Children}} props */
-export function Lightbox({ title, close, children }) {
+/** Save the pictures in a part of the page, beside each other. @param {HTMLElement | null} part @param {string} title */
+export function saveShown(part, title) {
+  const pictures = [...(part?.querySelectorAll("canvas") ?? [])].map(pictureOf);
+  if (pictures.length) savePictures(pictures, `${openMapId.value} ${title}.png`);
+}
+
+/** Width / height of two ordinary images side by side. */
+const PAIR = 8 / 3;
+
+/** @param {{title: string, aspect?: number, close: () => void, children: import("../html.js").Children}} props aspect: of the picture, which has to fit the window */
+export function Lightbox({ title, aspect = PAIR, close, children }) {
   const dialog = useRef(/** @type {HTMLDialogElement | null} */ (null));
   useEffect(() => dialog.current?.showModal(), []);
   return html`<dialog
@@ -14,7 +26,9 @@ export function Lightbox({ title, close, children }) {
     onClose=${close}
     onClick=${(/** @type {Event} */ event) => event.target === dialog.current && close()}
   >
-    <header><b class="grow">${title}</b>${h(Button, { icon: "close", hint: "Close (Esc)", onClick: close })}</header>
-    <div class="lightbox-body">${children}</div>
+    <header>
+      <b class="grow">${title}</b>${h(Button, { icon: "export", hint: "Save this picture as PNG", kind: "bare", onClick: () => saveShown(dialog.current, title) })}${h(Button, { icon: "close", hint: "Close (Esc)", onClick: close })}
+    </header>
+    <div class="lightbox-body" style=${{ "--aspect": aspect }}>${children}</div>
   </dialog>`;
 }

@@ -105,7 +105,7 @@ function facts(found) {
     ["χ²", found.chi2 === null ? text.NONE : chi2Text(found.chi2, share), "Its squared residual, and its share of the whole graph's"],
     ["Odometry", doubt?.odometry == null ? text.NONE : `${sigmaText(doubt.odometry)} σ away`, "How far odometry alone is from this transform"],
     ["Near by", doubt?.compared ? `${doubt.agreeing} of ${doubt.compared} loops agree` : text.NONE, "Loops near by, each with the odometry between"],
-    ["Look-alike", alike ? html`node ${node(alike.node)}, <span class=${alike.share >= ALIKE ? "ink-bad strong" : ""}>${text.fixed(100 * alike.share, 0)} %</span> as likely` : text.NONE, alike ? `The place elsewhere that rivals it most, ${text.length(alike.distance_m)} away` : "No place elsewhere in the map rivals it"],
+    ["Look-alike", alike ? html`node ${node(alike.node)}, <span class=${alike.share >= ALIKE ? "ink-bad strong" : ""}>${text.fixed(100 * alike.share, 0)} %</span>` : text.NONE, alike ? `The place elsewhere that rivals it most, ${text.length(alike.distance_m)} away, and how likely it was by this place` : "No place elsewhere in the map rivals it"],
     ...(weight === null ? [] : [/** @type {import("./facts.js").Fact} */ (["GNC", html`weight <b class=${weight < 0.5 ? "ink-bad" : ""}>${text.fixed(weight)}</b>${weights.value?.stale ? " before the last change" : ""}`, "How much graduated non-convexity lets it count"])]),
     ["Moved", found.off_m === null ? text.NONE : `${text.length(found.off_m)} · ${text.fixed(found.off_deg, 2)} °`, "How far the optimised transform is from the measured one"],
     ...attached(found),

@@ -56,6 +56,7 @@ function Pair({ map, from, to, matches }) {
     label: `Images of node ${from} (left) and node ${to} (right) with their matches`,
     aspect: 2 * one,
     dependencies: [left.image, right.image, matches, showInliers.value, showOutliers.value],
+    pixels: first && 2 * first.naturalWidth + GAP,
     draw: (ctx, width, height) => {
       const half = (width - GAP) / 2;
       if (left.image) ctx.drawImage(left.image, 0, 0, half, height);

@@ -13,7 +13,7 @@ import { DepthLook } from "./depth_bar.js";
 import { LinkName } from "./link_name.js";
 import { useFeatures } from "./keypoints.js";
 import { Lightbox } from "./lightbox.js";
-import { SecondPicture } from "./node_images.js";
+import { SecondPicture, isAligned } from "./node_images.js";
 import { nodeFacts } from "./node_facts.js";
 import { NodeSlider, nodeBeside } from "./node_slider.js";
 import { Overlay } from "./overlay.js";
@@ -94,13 +94,13 @@ function Both({ map, first, other, common }) {
       ${h(PairPicture.Toggles, { words: common.words })}
       <button type="button" class="picture-large" title="Larger" onClick=${() => setLarge(true)}>${picture}</button>
       <div class="pictures">
-        ${[first, other].map((node) => html`<div key=${node.id} class="picture-cell">${h(SecondPicture, { map, node, onPoint: (place) => pointAt(map, node, place) })}${h(Cross, { node: node.id })}</div>`)}
+        ${[first, other].map((node) => html`<div key=${node.id} class="picture-cell">${h(SecondPicture, { map, node, onPoint: (place) => pointAt(map, node, place) })}${isAligned(node) && h(Cross, { node: node.id })}</div>`)}
       </div>
       ${[[first, left], [other, right]].map(([node, features]) => {
         const one = /** @type {NodeDetail} */ (node);
         return h(PixelLine, { key: one.id, node: one, features: /** @type {import("./pixel.js").NodeFeatures | null} */ (features), quiet: one === first ? "Point at a pixel for its depth" : "" });
       })}
-      ${(first.has_depth || other.has_depth) && h(DepthLook, {})}
+      ${[first, other].some(({ has_depth, has_right }) => has_depth || has_right) && h(DepthLook, { stereo: first.has_right || other.has_right })}
       ${large && h(Lightbox, { title: `Nodes ${first.id} and ${other.id}`, close: () => setLarge(false), children: picture })}
     </figure>
     ${h(Overlay, { from: first.id, to: other.id, measured: common.links.some(({ transform }) => transform !== null) })}
@@ -172,8 +172,6 @@ function Beside({ first, other }) {
 /** @param {NodeDetail} first @param {NodeDetail} other */
 function apart(first, other) {
   const seconds = other.stamp - first.stamp;
-  const size = Math.abs(seconds);
-  const long = size < 120 ? `${text.fixed(size, 2)} s` : size < 7200 ? `${text.fixed(size / 60, 1)} min` : `${text.fixed(size / 3600, 1)} h`;
-  return `${long}${seconds === 0 ? "" : seconds > 0 ? ", B is later" : ", B is earlier"}`;
+  return `${text.duration(Math.abs(seconds))}${seconds === 0 ? "" : seconds > 0 ? ", B is later" : ", B is earlier"}`;
 }
 

@@ -7,13 +7,17 @@ import { Button, Chip } from "./button.js";
 /** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
 /** @typedef {NonNullable<import("../store.js").Schemas["Scene"]["node_parts"]>[number]} Part */
 
-/** @type {[Part, string, string, (node: NodeDetail) => boolean][]} */
+const hasCloud = (/** @type {NodeDetail} */ node) => node.has_image && (node.has_depth || node.has_right) && node.cameras.length > 0;
+
+/** What it is called, what it shows, what a node without it lacks. @type {[Part, string, string, string, (node: NodeDetail) => boolean][]} */
 const PARTS = [
-  ["cloud", "Cloud", "Every pixel that has depth", (node) => node.has_image && (node.has_depth || node.has_right) && node.cameras.length > 0],
-  ["words", "Words", "Key points that have a place; words green", (node) => node.features > 0],
-  ["scan", "Scan", "Its scan, coloured by what is stored of each point", (node) => Boolean(node.sensors.scan?.points)],
-  ["grid", "Grid", "Its local grid on the floor", (node) => Boolean(node.sensors.grid)],
-  ["frustum", "Camera", "Its image where the camera was", (node) => node.has_image && node.cameras.length > 0],
+  ["cloud", "Cloud", "Every pixel that has depth", "depth image with a calibration", hasCloud],
+  ["mesh", "Mesh", "The same as a surface", "depth image with a calibration", hasCloud],
+  ["words", "Words", "Key points that have a place; words green", "key points", (node) => node.features > 0],
+  ["scan", "Scan", "Its scan, coloured by what is stored of each point", "scan", (node) => Boolean(node.sensors.scan?.points)],
+  ["grid", "Grid", "Its local grid on the floor", "local grid", (node) => Boolean(node.sensors.grid)],
+  ["elevation", "Heights", "The highest point of each cell around it, blue to red", "depth and no scan", (node) => hasCloud(node) || Boolean(node.sensors.scan?.points)],
+  ["frustum", "Camera", "Its image where the camera was", "image with a calibration", (node) => node.has_image && node.cameras.length > 0],
 ];
 
 /** @param {{node: NodeDetail}} props */
@@ -24,8 +28,8 @@ export function NodeScene({ node }) {
     void setScene({ node_parts: on ? [...parts, part] : parts.filter((one) => one !== part) });
   return html`<div class="picture-bar node-scene" role="group" aria-label="The node in the 3D view">
     <span class="quiet small">3D</span>
-    ${PARTS.map(([part, label, hint, has]) =>
-      h(Chip, { key: part, label, hint: has(node) ? hint : "Nothing of this is stored", on: parts.includes(part) && has(node), disabled: !now || !has(node), onChange: (on) => turn(part, on) }),
+    ${PARTS.map(([part, label, hint, lacking, has]) =>
+      h(Chip, { key: part, label, hint: has(node) ? hint : `This node has no ${lacking}`, on: parts.includes(part) && has(node), disabled: !now || !has(node), onChange: (on) => turn(part, on) }),
     )}
     <span class="grow"></span>
     ${h(Chip, { label: "Alone", hint: "Without the map around it", on: Boolean(now?.alone), disabled: !now, onChange: (on) => void setScene({ alone: on }) })}

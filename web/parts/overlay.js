@@ -2,7 +2,7 @@
 import { useEffect } from "preact/hooks";
 import { h, html } from "../html.js";
 import { setScene } from "../actions.js";
-import { scene } from "../store.js";
+import { info, scene } from "../store.js";
 import { Chip } from "./button.js";
 
 const WAYS = /** @type {["link" | "poses", string, string][]} */ ([
@@ -28,5 +28,12 @@ export function Overlay({ from, to, measured }) {
         onChange: (on) => void setScene({ overlay: on ? how : null, selected_link: [from, to] }),
       }),
     )}
+    ${info.value?.has_scans &&
+    h(Chip, {
+      label: "Scans",
+      hint: "The points of their scanners in place of those of depth images",
+      on: scene.value?.overlay_of === "scan",
+      onChange: (on) => void setScene({ overlay_of: on ? "scan" : "cloud", overlay: now ?? (measured ? "link" : "poses"), selected_link: [from, to] }),
+    })}
   </div>`;
 }

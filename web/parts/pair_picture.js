@@ -42,6 +42,7 @@ export function PairPicture({ map, first, other, left, right, words }) {
       label: `Images of node ${first.id} (left) and node ${other.id} (right) with the words that both have`,
       aspect: 2 * (one ? one.naturalWidth / one.naturalHeight : 4 / 3),
       dependencies: [...images, left, right, words, showLines.value, showShared.value, showOthers.value, pointed?.word],
+      pixels: one && 2 * one.naturalWidth + GAP,
       onPoint: setAt,
       draw: (ctx, width, height) => draw(ctx, width, height, images, left, right, words, pointed?.word ?? null),
     })}

@@ -23,20 +23,28 @@ export function PixelLine({ node, features, quiet }) {
   if (at?.node !== node.id) return html`<p class="pixel-line quiet">${quiet}</p>`;
   const answer = told.value?.node === node.id ? told.value : null;
   return html`<p class="pixel-line" role="status">
-    ${answer?.error && html`<span class="ink-bad clip">${answer.error}</span>`} ${answer?.pixel ? depthParts(answer.pixel) : !answer && placeOnly(node, at.place)}
+    ${answer?.error && html`<span class="ink-bad clip">${answer.error}</span>`} ${answer?.pixel ? depthParts(answer.pixel, node) : !answer && placeOnly(node, at.place)}
     ${features && keyPoint(features, node, at.place)}
   </p>`;
 }
 
-/** @param {import("../pointed.js").PixelDepth} pixel */
-function depthParts({ u, v, depth_u, depth_v, depth_m, stereo, base, map, depth_width, depth_height }) {
+/** How far apart both cameras of a pair see a point, pixels. @param {NodeDetail} node @param {import("../pointed.js").PixelDepth} pixel */
+function disparityText({ cameras }, { camera, depth_m, depth_width }) {
+  const { baseline_m, fx, width } = cameras[camera] ?? {};
+  if (!baseline_m || !depth_m || !width || !fx) return "stereo";
+  return `stereo, ${text.fixed((fx * baseline_m * depth_width) / (depth_m * width * cameras.length), 1)} px apart`;
+}
+
+/** @param {import("../pointed.js").PixelDepth} pixel @param {NodeDetail} node */
+function depthParts(pixel, node) {
+  const { u, v, depth_u, depth_v, depth_m, stereo, base, map, depth_width, depth_height } = pixel;
   const point = (/** @type {number[]} */ of) => of.map((value) => text.fixed(value, 2)).join(" ");
   const hint = `Pixel ${depth_u}, ${depth_v} of the depth image of ${depth_width} × ${depth_height}`;
   return html`<span class="pixel-parts">
     <span title=${hint}><span class="quiet">pixel</span> ${u === null ? `${depth_u}, ${depth_v}` : `${text.short(u)}, ${text.short(v)}`}</span>
     ${depth_m === null
       ? html`<span class="ink-warn">no depth here</span>`
-      : html`<b title=${stereo ? "Worked out from the stereo pair" : "Along the optical axis, as it is stored"}>${text.fixed(depth_m, 3)} m${stereo ? " (stereo)" : ""}</b>`}
+      : html`<b title=${stereo ? "Worked out from the stereo pair" : "Along the optical axis, as it is stored"}>${text.fixed(depth_m, 3)} m${stereo ? ` (${disparityText(node, pixel)})` : ""}</b>`}
     ${base && html`<span title="The point in the frame of the base, metres"><span class="quiet">base</span> ${point(base)}</span>`}
     ${map && html`<span title="The point in the frame of the map, metres"><span class="quiet">map</span> ${point(map)}</span>`}
   </span>`;

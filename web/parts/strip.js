@@ -65,6 +65,7 @@ function TimeChart({ data, at, marks, onCursor }) {
     notes,
     lines: [{ label: "ms", token: "accent", kind: "area" }],
     names: [TIME],
+    spikes: true,
     thresholds: threshold > 0 ? [{ value: threshold, token: "warn" }] : [],
     marks,
     onCursor,
@@ -128,13 +129,14 @@ function HypothesisChart({ data, at, marks, onCursor }) {
  * @property {import("./chart.js").Threshold[]} [thresholds]
  * @property {import("./chart.js").Mark[]} marks
  * @property {boolean} [stems]
+ * @property {boolean} [spikes]
  * @property {number | null} [dragged] a threshold that can be dragged
  * @property {(value: number) => void} [onDrag]
  * @property {(index: number | null) => void} onCursor
  */
 
 /** @param {StripChartProps} props */
-function StripChart({ data, title, value, notes, lines, names, thresholds, marks, stems, dragged, onDrag, onCursor }) {
+function StripChart({ data, title, value, notes, lines, names, thresholds, marks, stems, spikes, dragged, onDrag, onCursor }) {
   return html`<figure class="strip-chart">
     <figcaption><b>${title}</b> <output>${value}</output> ${notes}</figcaption>
     ${h(Chart, {
@@ -146,6 +148,7 @@ function StripChart({ data, title, value, notes, lines, names, thresholds, marks
       thresholds,
       marks,
       stems,
+      spikes,
       dragged,
       onDrag,
       onCursor,

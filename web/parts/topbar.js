@@ -6,6 +6,7 @@ import { link, openMapId } from "../router.js";
 import { info, session } from "../store.js";
 import { theme, toggleTheme } from "../theme.js";
 import { Button } from "./button.js";
+import { showExports } from "./exports.js";
 import { Icon } from "./icons.js";
 import { openPalette } from "./palette.js";
 
@@ -37,6 +38,7 @@ export function TopBar() {
     <button type="button" class="button button-plain finder" aria-keyshortcuts="Control+K" onClick=${() => openPalette()}>
       ${h(Icon, { name: "search" })}<span>Search or command</span><kbd>Ctrl K</kbd>
     </button>
+    ${openMapId.value && h(Button, { id: "exports", icon: "export", hint: "Save from this map: poses, floor plan, cloud, picture", onClick: showExports })}
     ${h(Button, {
       icon: theme.value === "dark" ? "light" : "dark",
       hint: theme.value === "dark" ? "Light theme (T)" : "Dark theme (T)",

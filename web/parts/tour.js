@@ -46,10 +46,10 @@ function Hint({ index }) {
   const place = usePlace(part);
   const last = index === STEPS.length - 1;
   const close = () => void (seen.value = true);
+  useEscape(close);
   if (!place) return null;
   return html`<div class="tour-ring" style=${inPixels(place)} aria-hidden="true"></div>
-    <section class="tour" role="dialog" aria-label=${`Hint ${index + 1} of ${STEPS.length}: ${title}`} style=${inPixels(beside(place))}
-      onKeyDown=${(/** @type {KeyboardEvent} */ event) => event.key === "Escape" && close()}>
+    <section class="tour" role="dialog" aria-label=${`Hint ${index + 1} of ${STEPS.length}: ${title}`} style=${inPixels(beside(place))}>
       <header><b class="grow">${title}</b>${h(Button, { icon: "close", kind: "bare", hint: "Put the hints away", onClick: close })}</header>
       <p>${text}</p>
       <footer>
@@ -58,6 +58,15 @@ function Hint({ index }) {
         ${h(Button, { label: last ? "Done" : "Next", kind: "accent", onClick: last ? close : () => (step.value += 1) })}
       </footer>
     </section>`;
+}
+
+/** Escape closes what does not take the focus, unless a dialog is open. @param {() => void} close */
+function useEscape(close) {
+  useEffect(() => {
+    const onKey = (/** @type {KeyboardEvent} */ { key }) => key === "Escape" && !document.querySelector("dialog[open]") && close();
+    addEventListener("keydown", onKey);
+    return () => removeEventListener("keydown", onKey);
+  }, []);
 }
 
 /** @typedef {{left: number, top: number, width: number, height: number}} Place */

@@ -22,7 +22,7 @@ export function TrialCharts({ found: { baseline, tried } }) {
   return html`<div class="trial-charts">
     <figure>
       <figcaption class="small"><b>Update time, ms</b> ${legend}</figcaption>
-      ${h(Chart, { label: "Update time of both replays over nodes", lines: LINES, x, columns: time, revision: 1 })}
+      ${h(Chart, { label: "Update time of both replays over nodes", lines: LINES, x, columns: time, revision: 1, spikes: true })}
     </figure>
     <figure>
       <figcaption class="small"><b>WM, nodes</b> ${legend}</figcaption>

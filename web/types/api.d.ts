@@ -88,6 +88,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/export/cloud.ply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Export Cloud
+         * @description The coloured cloud of the whole map, in the map frame.
+         */
+        get: operations["export_cloud"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/export/grid.zip": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Export Grid
+         * @description The floor plan as map_server loads it.
+         */
+        get: operations["export_grid"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/export/poses": {
         parameters: {
             query?: never;
@@ -97,7 +137,7 @@ export interface paths {
         };
         /**
          * Export Poses
-         * @description The trajectory (TUM, KITTI) or the graph (g2o).
+         * @description The trajectory, or the graph (TORO, g2o).
          */
         get: operations["export_poses"];
         put?: never;
@@ -468,6 +508,26 @@ export interface paths {
          * @description The depth image in colours, transparent where unknown.
          */
         get: operations["get_node_depth"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/nodes/{node_id}/disparity.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Disparity
+         * @description The disparity of a stereo pair in colours, likewise.
+         */
+        get: operations["get_node_disparity"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2201,6 +2261,11 @@ export interface components {
             has_model: boolean;
             /** Has Poses */
             has_poses: boolean;
+            /**
+             * Has Scans
+             * @description Whether a node has points of a scanner.
+             */
+            has_scans: boolean;
             /** Has Truth */
             has_truth: boolean;
             /** Id */
@@ -2221,6 +2286,11 @@ export interface components {
             live: boolean;
             /** Loops */
             loops: number;
+            /**
+             * Map M
+             * @description The same through the optimised poses; None where no node has one.
+             */
+            map_m: number | null;
             /** Name */
             name: string;
             /** Nodes */
@@ -2231,12 +2301,22 @@ export interface components {
              */
             notes: string[];
             /**
+             * Odometry M
+             * @description Length of odometry's path, sessions added up.
+             */
+            odometry_m: number;
+            /**
              * Parameters
              * @description Those that differ from the defaults.
              */
             parameters: {
                 [key: string]: string;
             };
+            /**
+             * Refused
+             * @description Loops that were looked at and are no links, or no more.
+             */
+            refused: number;
             /** Seeds */
             seeds: number[];
             /** Session List */
@@ -2247,6 +2327,11 @@ export interface components {
             size_bytes: number;
             /** Sources */
             sources: string[];
+            /**
+             * Span S
+             * @description Seconds from the first to the last node, sessions added up.
+             */
+            span_s: number;
             /**
              * Version
              * @description Of RTAB-Map's schema.
@@ -3028,7 +3113,7 @@ export interface components {
              * Node Parts
              * @description What is shown of the selected node close up.
              */
-            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[];
+            node_parts?: ("cloud" | "mesh" | "words" | "scan" | "grid" | "elevation" | "frustum")[];
             /** @description An optimisation whose path is shown dashed beside the map's. */
             optimised?: components["schemas"]["ShownOptimisation"] | null;
             /**
@@ -3036,6 +3121,13 @@ export interface components {
              * @description The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds.
              */
             overlay?: ("link" | "poses") | null;
+            /**
+             * Overlay Of
+             * @description Of what those clouds are: of depth images, and scans where there are none, or of scans alone.
+             * @default cloud
+             * @enum {string}
+             */
+            overlay_of: "cloud" | "scan";
             /**
              * Placing
              * @description Of a moment: whether its poses are those of then.
@@ -3089,10 +3181,12 @@ export interface components {
             hidden_sessions?: number[] | null;
             layers?: components["schemas"]["LayerChange"] | null;
             /** Node Parts */
-            node_parts?: ("cloud" | "words" | "scan" | "grid" | "frustum")[] | null;
+            node_parts?: ("cloud" | "mesh" | "words" | "scan" | "grid" | "elevation" | "frustum")[] | null;
             optimised?: components["schemas"]["ShownOptimisation"] | null;
             /** Overlay */
             overlay?: ("link" | "poses") | null;
+            /** Overlay Of */
+            overlay_of?: ("cloud" | "scan") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */
@@ -4061,10 +4155,152 @@ export interface operations {
             };
         };
     };
+    export_cloud: {
+        parameters: {
+            query?: {
+                /** @description Metres between points. */
+                voxel?: number;
+                /** @description Farthest depth; 0 for all. */
+                range?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A PLY file. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    export_grid: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description PGM and YAML. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/zip": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     export_poses: {
         parameters: {
             query?: {
-                format?: "tum" | "kitti" | "g2o";
+                format?: "tum" | "tum-id" | "rgbd-slam" | "raw" | "kitti" | "toro" | "g2o" | "kml";
+                which?: "optimized" | "odometry" | "truth";
             };
             header?: never;
             path: {
@@ -5473,6 +5709,77 @@ export interface operations {
                 max?: number;
                 /** @description Depth of the first colour. */
                 min?: number;
+                colours?: "turbo" | "viridis" | "jet" | "gray";
+            };
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_disparity: {
+        parameters: {
+            query?: {
                 colours?: "turbo" | "viridis" | "jet" | "gray";
             };
             header?: never;

@@ -6,6 +6,7 @@ import { on } from "../events.js";
 import * as text from "../format.js";
 import { useKeys } from "../keys.js";
 import { LoopList, NO_FILTER } from "../loop_list.js";
+import { filterOf, queryOf } from "../loop_query.js";
 import { go, link, moment, openMapId, route } from "../router.js";
 import { remembered } from "../prefs.js";
 import { graphRevision, inForce } from "../store.js";
@@ -37,8 +38,15 @@ const TABS = [
 export function Loops() {
   const map = /** @type {string} */ (openMapId.value);
   const list = useMemo(() => new LoopList(map), [map]);
-  const [filter, setFilter] = useState(NO_FILTER);
-  const tab = TABS.find(([name]) => name === route.value.query.get("tab"))?.[0] ?? "";
+  const { key, query } = route.value;
+  const [filter, setFilter] = useState(() => filterOf(query) ?? NO_FILTER);
+  const tab = TABS.find(([name]) => name === query.get("tab"))?.[0] ?? "";
+  // Links within the page that name no filter leave the one that is there.
+  useEffect(() => setFilter((last) => filterOf(query) ?? last), [String(query)]);
+  const change = (/** @type {typeof NO_FILTER} */ next) => {
+    setFilter(next);
+    go({ view: "loops", key, query: queryOf(next) }, { replace: true });
+  };
 
   useEffect(() => void list.pull(), [list]);
   useEffect(() => on("decision", (_, of) => of === map && void list.pull({ all: true })), [list]);
@@ -46,9 +54,8 @@ export function Loops() {
 
   void list.revision.value;
   const rows = list.rows({ ...filter, order: order.value });
-  const key = route.value.key;
   const selected = rows.findIndex((row) => row.key === key || `${row.to}-${row.from}` === key);
-  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key, query: tab ? { tab } : {} });
+  const select = (/** @type {number} */ index) => rows[index] && go({ view: "loops", key: rows[index].key, query: tab ? { tab } : queryOf(filter) });
   const step = (/** @type {number} */ by) => select(selected < 0 ? 0 : Math.max(0, Math.min(rows.length - 1, selected + by)));
   const reload = () => list.pull({ all: true });
   const answer = async (/** @type {"undo" | "redo"} */ action) => void (!lockReason() && (await decide({ action })) && reload());
@@ -78,7 +85,7 @@ export function Loops() {
   function queue() {
     return html`<div class="view-part">
       ${moment.value !== null && html`<p class="note small">The 3D view shows the map after node ${moment.value}; this list is that of now, with what people decided.</p>`}
-      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), sessions: list.sessions(), order: order.value, onChange: setFilter, onOrder: (next) => (order.value = next) })}
+      ${list.byKey.size > 0 && h(LoopFilter, { filter, counts: list.counts(), sessions: list.sessions(), order: order.value, onChange: change, onOrder: (next) => (order.value = next) })}
       <div class="view-table">${queueTable()}</div>
       ${list.byKey.size > 0 && h(BulkBar, { rows, total: list.byKey.size, onDecided: () => void reload() })}
       ${!key && h(EffectLine, {})}
@@ -90,7 +97,7 @@ export function Loops() {
     if (!list.loaded) return h(Loading, {});
     if (!list.byKey.size) return h(NoLoops, {});
     if (!rows.length) {
-      const clear = html`<button type="button" class="button button-plain" onClick=${() => setFilter(NO_FILTER)}>Clear the filter</button>`;
+      const clear = html`<button type="button" class="button button-plain" onClick=${() => change(NO_FILTER)}>Clear the filter</button>`;
       return h(Empty, { icon: "search", title: "No loop passes the filter", children: clear });
     }
     return h(/** @type {typeof Table<LoopRow>} */ (Table), {

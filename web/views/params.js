@@ -63,7 +63,7 @@ function gather(on) {
 }
 
 const noEngine =
-  "No engine runs on this map: these are the values it was made with. Change some to try them on this map, or to have its next session start with them.";
+  "No engine runs on this map: these are its values. Change some to try them on this map, or to have its next session start with them.";
 
 /** @param {import("../store.js").Schemas["ParameterSet"]} set @param {string} query @param {boolean} changedOnly @param {boolean} gathered */
 function groups(set, query, changedOnly, gathered) {

@@ -110,6 +110,7 @@ function StatChart({ data, name, token, at, onCursor, onRemove }) {
       columns: [column],
       revision: data.revision.value,
       time,
+      spikes: name.startsWith("Timing"),
       shown: shown === null ? null : time ? data.stamps[shown] - start : data.ids[shown],
       onCursor,
       onPick: (index) => go({ view: "nodes", key: data.ids[index] }),

@@ -11,9 +11,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sqlalchemy import create_engine
 
-from slam.database import MapReader, MapWriter
-from slam.database.blobs import unpack_information, unpack_transform
+from slam.database import Faults, MapReader, MapWriter
+from slam.database.blobs import pack_transform, unpack_information, unpack_transform
+from slam.database.link_rows import read_links
+from slam.database.tables import link as link_table
 from slam.errors import DatabaseError
 from slam.geometry import inverse
 from slam.params import Params
@@ -94,6 +99,48 @@ def test_links_of_a_node_to_itself_and_landmarks_have_one_row(writer: MapWriter)
     found = [row[:3] for row in rows(writer.path) if row[0] == 4]
     assert found == [(4, -7, 8), (4, 4, 7), (4, 4, 9)]
     assert len(MapReader(writer.path).links()) == 5
+
+
+#: Of a row: its ids, its type, whether its information is sound, and what its transform is.
+_TRANSFORMS = {"given": pack_transform(pose(4)), "null": bytes(48), "none": None, "broken": b"\x01" * 48}
+any_row = st.tuples(
+    st.integers(1, 3),
+    st.integers(1, 3),
+    st.sampled_from([LinkType.NEIGHBOR, LinkType.GLOBAL_CLOSURE, LinkType.GRAVITY]),
+    st.sampled_from([True, True, False]),
+    st.sampled_from(sorted(_TRANSFORMS)),
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(any_row, max_size=12))
+def test_of_the_sound_rows_of_a_pair_the_last_from_the_newer_node_counts_else_the_last(
+    table: list[tuple[int, int, LinkType, bool, str]],
+) -> None:
+    engine = create_engine("sqlite://")
+    with engine.begin() as connection:
+        connection.exec_driver_sql(
+            "CREATE TABLE Link (from_id INT, to_id INT, type INT, information_matrix BLOB, transform BLOB)"
+        )
+        # The number of the row tells which one was taken.
+        for k, (a, b, kind, sound, T) in enumerate(table):
+            information = (np.eye(6) * (k + 1) * (1 if sound else -1)).tobytes()
+            values = (a, b, int(kind), information, _TRANSFORMS[T])
+            connection.exec_driver_sql(f"INSERT INTO {link_table.name} VALUES (?, ?, ?, ?, ?)", values)
+        faults: Faults = {}
+        found = read_links(connection, faults)
+    engine.dispose()
+    kept: dict[tuple[int, int, bool], int] = {}
+    for k, (a, b, kind, sound, T) in enumerate(table):
+        key = (min(a, b), max(a, b), kind is LinkType.GRAVITY)
+        if sound and T != "broken" and (a > b or key not in kept or table[kept[key]][0] <= table[kept[key]][1]):
+            kept[key] = k
+    assert [round(link.information[0, 0]) - 1 for link in found] == [kept[key] for key in sorted(kept)]
+    for link, k in zip(found, (kept[key] for key in sorted(kept)), strict=True):
+        assert (link.from_id, link.to_id, link.type) == table[k][:3]
+        assert (link.T_from_to is not None) == (table[k][4] == "given")
+    bad = {f"{a}-{b}" for a, b, _, sound, T in table if not sound or T == "broken"}
+    assert {fault.row for fault in faults} == bad
 
 
 @pytest.mark.parametrize(

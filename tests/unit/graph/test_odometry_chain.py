@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from slam.geometry import adjoint, between, inverse
 from slam.graph import PoseGraph
@@ -55,3 +57,34 @@ def test_a_node_that_was_reduced_away_is_bridged() -> None:
     found = OdometryChain(graph).relative([2], [19])
     assert found.known.all()
     np.testing.assert_allclose(found.T_a_b[0], between(graph.T_odom[2], graph.T_odom[19]), atol=1e-12)
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    joined=st.sets(st.tuples(st.integers(1, 12), st.integers(1, 12)).filter(lambda pair: pair[0] != pair[1])),
+    unsound=st.sets(st.integers(0, 40)),
+)
+def test_each_node_hangs_on_the_nearest_earlier_one_that_a_sound_step_joins_it_with(
+    joined: set[tuple[int, int]], unsound: set[int]
+) -> None:
+    graph, placed = PoseGraph(), circles(12, 0).T_odom
+    for node_id, T in placed.items():
+        graph.add_node(node_id, 0, T, T)
+    steps: dict[int, int] = {}
+    for k, (a, b) in enumerate(sorted({(min(pair), max(pair)) for pair in joined})):
+        information = np.diag([1.0, 1, 1, 1, 1, np.nan if k % 2 else -1]) if k in unsound else INFORMATION
+        graph.add_link(Link(b, a, LinkType.NEIGHBOR, between(placed[b], placed[a]), information))
+        if k not in unsound:
+            steps[b] = max(a, steps.get(b, 0))
+    way = {i: _way(i, steps) for i in placed}
+    chain = OdometryChain(graph)
+    ends = [(a, b) for a in placed for b in placed]
+    found = chain.relative(*np.array(ends).T)
+    assert found.known.tolist() == [way[a][-1] == way[b][-1] for a, b in ends]
+    expected = [between(placed[a], placed[b]) if way[a][-1] == way[b][-1] else np.eye(4) for a, b in ends]
+    np.testing.assert_allclose(found.T_a_b, expected, atol=1e-12)
+
+
+def _way(node_id: int, steps: dict[int, int]) -> list[int]:
+    """The nodes that lead back to where the path of one begins."""
+    return [node_id, *_way(steps[node_id], steps)] if node_id in steps else [node_id]

@@ -15,7 +15,7 @@ from server.scene.node_points import node_points
 from slam.database import MapReader
 from slam.errors import SlamError, SourceError
 from slam.maps.stereo import stereo_depth
-from slam.maps.views import node_views
+from slam.maps.views import disparity_px, node_views
 from tests.unit.database import old_files as old
 
 FX, BASELINE, SHIFT = 100.0, 0.12, 8
@@ -66,6 +66,10 @@ def test_stereo_pairs_have_depth(tmp_path: Path) -> None:
     with closing(sqlite3.connect(path)) as connection:
         connection.execute("UPDATE Data SET image = ?", (old.png(left),))
         connection.commit()
+    (view,) = node_views(MapReader(path), 1)
+    disparity = disparity_px(view, BASELINE)
+    assert ((disparity > 0) == (view.depth_m > 0)).all()
+    assert np.median(disparity[disparity > 0]) == pytest.approx(SHIFT, rel=0.01)
     cloud = node_points(MapReader(path), 1, np.eye(4), 4000, images=True)
     assert np.median(cloud.points[:, 0]) == pytest.approx(FX * BASELINE / SHIFT + old.LOCAL[0, 3], rel=0.02)
 

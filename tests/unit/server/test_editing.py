@@ -148,6 +148,7 @@ def test_nodes_leave_and_come_back_and_labels_are_undone(tour: RunningApp, reade
 
 
 def test_a_job_finds_loops_as_one_batch_which_one_undo_takes_back(tour: RunningApp, reader: MapReader) -> None:
+    happened = tour.get("/api/maps/tour/timeline").json()["events"]
     reject_all(tour, reader)
     job = post(tour, "job", detect={"angle_deg": 40, "iterations": 2}, author="ann").json()
     assert job["kind"] == "detect"
@@ -159,8 +160,16 @@ def test_a_job_finds_loops_as_one_batch_which_one_undo_takes_back(tour: RunningA
     rows = {row["key"]: row for row in tour.get("/api/maps/tour/loops").json()["loops"]}
     assert all(rows[f"{a}-{b}"]["state"] == "added" and rows[f"{a}-{b}"]["inliers"] for a, b in loops(reader))
     assert any(row["reason"] for row in rows.values() if row["state"] == "refused")
+    assert tour.get("/api/maps/tour/timeline").json()["events"] == happened, "a search is no part of the map's past"
+    found = loops(reader)
     assert post(tour, "decisions", action="undo").json()["count"] == over["decision"]["count"]
     assert not loops(reader)
+    for a, b in found:
+        link = tour.get(f"/api/maps/tour/links/{a}/{b}").json()
+        if "taken back" in link["explanation"]:
+            assert link["state"] is None, "neither accepted nor refused"
+    states = {row["key"]: row["state"] for row in tour.get("/api/maps/tour/loops").json()["loops"]}
+    assert all(states.get(f"{a}-{b}") in (None, "rejected") for a, b in found)
 
 
 def test_a_job_is_cancelled_and_nothing_else_is_done_meanwhile(tour: RunningApp, reader: MapReader) -> None:

@@ -116,6 +116,10 @@ def test_a_stereo_camera_shows_its_right_image(client: RunningApp) -> None:
     assert [camera["baseline_m"] for camera in node["cameras"]] == [old.BASELINE]
     assert client.get("/api/maps/rich/nodes/1/right").headers["content-type"] == "image/png"
     assert client.get("/api/maps/old/nodes/1/right").status_code == 404
+    for made in ("disparity.png?colours=gray", "depth.png?max=9"):
+        assert client.get(f"/api/maps/rich/nodes/1/{made}").headers["content-type"] == "image/png"
+    refused = client.get("/api/maps/old/nodes/1/disparity.png")
+    assert refused.status_code == 404 and "no stereo pair" in refused.json()["error"]["message"]
 
 
 def test_landmarks_and_links_of_one_node(client: RunningApp) -> None:

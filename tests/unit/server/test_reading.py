@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import re
+import shutil
+import zipfile
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import cv2
 import numpy as np
@@ -42,7 +46,9 @@ def test_info_counts_what_the_file_holds(client: RunningApp, maps_folder: Path) 
     found = get(client, "/api/maps/loops")
     stored = MapReader(maps_folder / "loops.db").info()
     assert (found["nodes"], found["links"]) == (stored.nodes, dict(stored.links))
+    assert found["refused"] == 1
     assert found["has_truth"] and found["writable"] and not found["live"]
+    assert found["map_m"] == pytest.approx(found["odometry_m"], rel=0.2) and found["span_s"] > 0
     assert found["ate_m"] == pytest.approx(0.02, abs=0.02)
     assert found["parameters"] == {"Rtabmap/LoopThr": "0.2"}
 
@@ -104,6 +110,14 @@ def test_images_are_as_stored_and_previews_are_small(client: RunningApp, maps_fo
     preview = client.get("/api/maps/loops/preview.jpg").content
     shown = cv2.imdecode(np.frombuffer(preview, np.uint8), cv2.IMREAD_COLOR)
     assert shown is not None and shown.shape == (240, 320, 3)
+
+
+@pytest.mark.parametrize(("path", "packed"), [("graph", "gzip"), ("nodes/3/image", None)])
+def test_lists_come_packed_to_who_can_unpack_them(client: RunningApp, path: str, packed: str | None) -> None:
+    able = client.get(f"/api/maps/loops/{path}", headers={"Accept-Encoding": "gzip"})
+    assert able.headers.get("content-encoding") == packed
+    plain = client.get(f"/api/maps/loops/{path}", headers={"Accept-Encoding": "identity"})
+    assert "content-encoding" not in plain.headers and plain.content == able.content
 
 
 def test_depth_is_coloured_and_transparent_where_unknown(client: RunningApp, maps_folder: Path) -> None:
@@ -181,11 +195,27 @@ def test_parameters_of_a_closed_map_are_changed_for_its_next_session(client: Run
         assert client.patch("/api/maps/loops/parameters", json={"changes": changes}).status_code == status
 
 
-@pytest.mark.parametrize(("format", "lines"), [("tum", NODES + 1), ("kitti", NODES), ("g2o", NODES + NODES - 1 + 2)])
+@pytest.mark.parametrize(
+    ("format", "lines"), [("tum", NODES + 1), ("kitti", NODES), ("raw", NODES), ("g2o", NODES + NODES - 1 + 2)]
+)
 def test_exported_poses(client: RunningApp, format: str, lines: int) -> None:
     answer = client.get(f"/api/maps/loops/export/poses?format={format}")
     assert len(answer.text.splitlines()) == lines
-    assert re.search(r'filename="loops\.(tum\.txt|kitti\.txt|g2o)"', answer.headers["content-disposition"])
+    assert re.search(r'filename="loops\.((tum|kitti|raw)\.txt|g2o)"', answer.headers["content-disposition"])
+    true = client.get(f"/api/maps/loops/export/poses?format={format}&which=truth")
+    assert len(true.text.splitlines()) == lines and true.text != answer.text
+
+
+def test_floor_plan_and_cloud_are_files_to_save(client: RunningApp, maps_folder: Path) -> None:
+    shutil.copy(maps_folder / "loops.db", maps_folder / "плита.db")
+    plan = client.get("/api/maps/loops/export/grid.zip")
+    with zipfile.ZipFile(io.BytesIO(plan.content)) as files:
+        assert sorted(files.namelist()) == ["loops.pgm", "loops.yaml"]
+        assert files.read("loops.pgm").startswith(b"P5\n")
+    cloud = client.get("/api/maps/плита/export/cloud.ply?voxel=0.05")
+    assert cloud.content.startswith(b"ply\n")
+    assert f"filename*=UTF-8''{quote('плита')}.ply" in cloud.headers["content-disposition"]
+    assert client.get("/api/maps/loops/export/cloud.ply?voxel=0").status_code == 422
 
 
 def test_maps_that_rtabmap_wrote_are_read_alike(shared_data: Path, start_app: StartApp) -> None:

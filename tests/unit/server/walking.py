@@ -43,6 +43,9 @@ def walk(client: httpx.Client, map_id: str, *, matches: bool = False, closely: b
     _ask(client, f"{root}/statistics", found, names=",".join(names)[:4000])
     for kind in _EXPORTS:
         _ask(client, f"{root}/export/poses", found, format=kind)
+    if closely:
+        for name in ("grid.zip", "cloud.ply"):
+            _ask(client, f"{root}/export/{name}", found)
     return found
 
 

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from server.browse.events import updates
+from server.browse.links import link_detail
+from server.browse.loops import loops
 from server.browse.map_view import MapView
 from server.browse.moves import moves_of_states
 from server.catalog import MapFile
@@ -109,3 +111,30 @@ def test_every_real_file_has_a_timeline(shared_data: Path, tmp_path: Path) -> No
         assert {one.at for one in found.events} <= set(view.snapshot().all_nodes.ids.tolist())
         loops = {pair for pair, link in view.snapshot().links.items() if link.type.is_loop}
         assert view.timeline().moment(max(found.ids)).loops.keys() == loops
+
+
+@pytest.mark.parametrize("name", ["toyroom", "tum_fr1_xyz_excerpt"])
+def test_loops_of_rtabmap_have_the_evidence_that_its_statistics_tell(
+    shared_data: Path, tmp_path: Path, name: str
+) -> None:
+    source = shared_data / "rtabmap_db" / f"cpp_0.23.8_{name}.db"
+    view = view_of(Path(shutil.copy(source, tmp_path / "map.db")))
+    measured = view.statistics.table()
+    rows = {(row.to, row.from_): row for row in loops(view.snapshot()).loops}
+    accepted = measured.values["Loop/Accepted_hypothesis_id/"]
+    for k, newer in enumerate(measured.ids.tolist()):
+        row = rows.get((int(accepted[k]), newer)) if accepted[k] > 0 else None
+        if row is None:
+            continue
+        assert (row.inliers, row.matches) == tuple(
+            int(measured.values[f"Loop/Visual_{what}/"][k]) for what in ("inliers", "matches")
+        )
+        if measured.values["Loop/Highest_hypothesis_id/"][k] == accepted[k]:
+            assert row.posterior == measured.values["Loop/Highest_hypothesis_value/"][k]
+            said = link_detail(view.snapshot(), newer, int(accepted[k])).explanation
+            assert said.startswith(
+                f"Accepted: hypothesis {row.posterior:.2f}, Rtabmap/LoopThr 0.11; {row.inliers} inliers"
+            )
+    known = [row for row in rows.values() if row.inliers is not None]
+    assert len(known) >= 0.8 * len(rows) and any(row.posterior is not None for row in known)
+    assert all(row.posterior is None for row in known if row.type == "LocalSpaceClosure")

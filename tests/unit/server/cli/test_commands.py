@@ -91,15 +91,19 @@ def test_parameters_are_listed_and_searched() -> None:
     assert [entry["name"] for entry in listed] == [spec.name for spec in specs()]
     found = json.loads(slamdeck("params", "--json", "--search", "loopthr").stdout)
     assert [entry["name"] for entry in found] == ["Rtabmap/LoopThr", "RGBD/AggressiveLoopThr"]
-    assert "Rtabmap/TimeThr" in slamdeck("params", "--search", "timethr").stdout
+    (line,) = (line for line in slamdeck("params", "--search", "timethr").stdout.splitlines() if "TimeThr" in line)
+    assert next(spec.meaning for spec in specs() if spec.name == "Rtabmap/TimeThr") in line
     assert "lists them all" in refusal("params", "--search", "xyzzy")
 
 
 def test_poses_are_exported(a_map: Path, tmp_path: Path) -> None:
     for format, first in (("tum", "# timestamp"), ("kitti", ""), ("g2o", "VERTEX_SE3:QUAT 1 ")):
         out = tmp_path / f"poses.{format}"
-        assert slamdeck("export", a_map, "--poses", out, "--format", format).returncode == 0
+        shapes = ("--grid", tmp_path / "plan.pgm", "--cloud", tmp_path / "cloud.ply") if format == "g2o" else ()
+        assert slamdeck("export", a_map, "--poses", out, "--format", format, *shapes).returncode == 0
         assert out.read_text().startswith(first) and len(out.read_text().splitlines()) >= NODES
+    assert (tmp_path / "plan.pgm").read_bytes().startswith(b"P5") and (tmp_path / "plan.yaml").exists()
+    assert (tmp_path / "cloud.ply").read_bytes().startswith(b"ply")
 
 
 def test_tools_make_maps_and_replace_none_unasked(a_map: Path, tmp_path: Path) -> None:

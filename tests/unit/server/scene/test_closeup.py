@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 from server.browse.snapshot import Snapshot
 from server.scene.closeup import CloseUpLayer
@@ -54,6 +55,21 @@ def test_parts_are_sent_once_and_leave_with_the_node(viewer: Any, snapshot: Snap
     draw(layer, snapshot, None, ["cloud"])
     draw(layer, snapshot, 9999, ["cloud"])
     assert viewer.scene.get_handle_by_name("/closeup/cloud") is None
+
+
+def test_surfaces_are_sent_once_and_stand_where_the_node_does(viewer: Any, snapshot: Snapshot, sent: Sent) -> None:
+    layer, T = CloseUpLayer(viewer.scene), true_pose(NODE)
+    draw(layer, snapshot, NODE, ["mesh", "elevation"])
+    mesh, heights = (viewer.scene.get_handle_by_name(f"/closeup/{part}") for part in ("mesh", "elevation"))
+    np.testing.assert_allclose(mesh.position, T[:3, 3], atol=1e-6)
+    np.testing.assert_allclose(heights.position, T[:3, 3], atol=1e-6)
+    assert heights.wxyz[1:3] == pytest.approx([0.0, 0.0]), "it is turned about the vertical alone"
+    sent.take()
+    draw(layer, snapshot, NODE, ["mesh"])
+    draw(layer, snapshot, NODE, ["mesh", "elevation"])
+    assert heights.visible and not any("Glb" in kind for kind, _ in sent.take())
+    draw(layer, snapshot, None, ["mesh"])
+    assert viewer.scene.get_handle_by_name("/closeup/mesh") is None
 
 
 def test_a_local_grid_lies_as_its_cells_do(viewer: Any, snapshot: Snapshot, monkeypatch: Any) -> None:

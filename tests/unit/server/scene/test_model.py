@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -9,7 +10,9 @@ from typing import Any
 
 import cv2
 import numpy as np
+import pytest
 
+from server.scene.matt import as_matt_glb
 from server.scene.model import ModelLayer, as_trimesh
 from slam.database import MapReader
 from slam.database.mesh_rows import Cloud, Mesh, Part
@@ -34,6 +37,19 @@ def test_without_a_texture_points_have_colours() -> None:
     colours = np.arange(12, dtype=np.uint8).reshape(4, 3)
     made = as_trimesh(Mesh(Cloud(POINTS, colours), (Part(TRIANGLES, None),), None))
     assert made.visual.vertex_colors[:, :3].tolist() == colours.tolist()
+
+
+@pytest.mark.parametrize("textured", [True, False])
+def test_what_is_sent_is_no_metal_and_has_two_sides(textured: bool) -> None:
+    image = cv2.imencode(".png", np.full((8, 8, 3), 200, np.uint8))[1].tobytes()
+    part = Part(TRIANGLES, CORNERS if textured else None)
+    glb = as_matt_glb(as_trimesh(Mesh(Cloud(POINTS, None), (part,), image if textured else None)))
+    tree = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])
+    (material,) = tree["materials"]
+    look = material["pbrMetallicRoughness"]
+    assert look["metallicFactor"] == 0.0 and ("baseColorTexture" in look) == textured and material["doubleSided"]
+    assert "baseColorFactor" not in look, "colours are not darkened"
+    assert [part["material"] for mesh in tree["meshes"] for part in mesh["primitives"]] == [0]
 
 
 def test_it_is_read_when_it_is_asked_for(viewer: Any, tmp_path: Path) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 from server.browse.snapshot import Snapshot
 from server.scene.clouds import wxyz
 from server.scene.colours import DARK
 from server.scene.overlay import OverlayLayer
 from server.scene.placed import PlacedGraph
+from slam.types import Scan
 from tests.unit.server.scene.conftest import Sent
 from tests.unit.server.scene.room_map import LOOPS
 
@@ -37,6 +39,19 @@ def test_the_second_cloud_is_where_the_link_or_the_graph_puts_it(viewer: Any, sn
     np.testing.assert_allclose(second.wxyz, wxyz(T_link), atol=1e-9)
     np.testing.assert_allclose(first.position, T_from[:3, 3])
     assert not any("PointCloud" in kind for kind, _ in sent.take()), "points are sent once"
+
+
+def test_scans_take_the_place_of_clouds(viewer: Any, snapshot: Snapshot, monkeypatch: pytest.MonkeyPatch) -> None:
+    graph, layer = PlacedGraph.of(snapshot), OverlayLayer(viewer.scene)
+    assert layer.draw(snapshot, graph, PAIR, "poses", DARK)
+    assert not layer.draw(snapshot, graph, PAIR, "poses", DARK, of="scan"), "these nodes have none"
+    points = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], np.float32)
+    monkeypatch.setattr(type(snapshot.reader), "scan", lambda *_: Scan(points, None))
+    layer.draw(snapshot, graph, None, None, DARK)
+    assert layer.draw(snapshot, graph, PAIR, "poses", DARK, of="scan")
+    assert [len(handle.points) for handle in handles(viewer)] == [2, 2]
+    assert layer.draw(snapshot, graph, PAIR, "poses", DARK)
+    assert min(len(handle.points) for handle in handles(viewer)) > 100
 
 
 def test_without_a_link_or_a_way_nothing_is_shown(viewer: Any, snapshot: Snapshot) -> None:

@@ -10,12 +10,14 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from server.browse.asked import Asked
 from server.browse.map_view import MapView
 from server.catalog import MapFile
 from server.hub import Hub
@@ -87,9 +89,25 @@ def watched(open_scene: Callable[[Path], Watched], room_map: Path) -> Watched:
 def test_a_view_shows_the_graph_the_clouds_and_the_newest_pose(watched: Watched) -> None:
     assert len(watched.handle("/graph/nodes/0").batched_positions) == NODES
     assert watched.handle("/paths/odometry/0").visible
-    assert not watched.handle("/paths/truth/0").visible
+    assert watched.handle("/paths/truth/0") is None
     np.testing.assert_allclose(watched.handle("/newest").position, true_pose(NODES)[:3, 3], atol=1e-6)
     until(lambda: watched.handle("/ground").position[2] == pytest.approx(-1.2, abs=0.1))
+
+
+def test_clouds_let_pass_who_waits_for_an_answer(room_map: Path) -> None:
+    view = MapView(MapFile("room", "room", room_map))
+    # A clock that stands: the request stays a short one.
+    view.asked = Asked(lambda: 0.0)
+    with ExitStack() as open_scenes:
+        with view.asked.one():
+            scene = MapScene(view, lambda _, __: None)
+            open_scenes.callback(scene.close)
+            painter = scene._painter
+            until(lambda: painter._shown is not None)
+            scene.change(SceneChange(dark=False))
+            until(lambda: painter._shown is not None and painter._shown.state == scene.state())
+            assert not painter._clouds._handles
+        until(lambda: painter._clouds._handles and not painter._clouds.missing)
 
 
 def test_layers_are_switched_one_by_one_and_the_rest_stays(watched: Watched) -> None:
