@@ -52,6 +52,7 @@ def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
         id=view.file.id,
         name=view.file.name,
         loops=loop_count(info),
+        refused=sum(pair not in snapshot.links for pair in snapshot.candidates),
         live=live,
         writable=writable,
         has_truth=snapshot.truth.is_known,
