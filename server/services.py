@@ -236,10 +236,10 @@ class Services:
         return await self.editors.request(view.file, command)
 
     def _decided(self, view: MapView, effect: Effect, note: str = "") -> DecisionResult:
-        """What a decision did; everybody is told."""
+        """What a decision did; everybody is told. That the graph changed its engine has told before it answered."""
         if effect.preview:
             return decision_result(effect, None, note)
-        result = decision_result(effect, self._graph_changed(view.file.id), note)
+        result = decision_result(effect, view.revision, note)
         self.hub.publish("decision", view.file.id, result.model_dump(by_alias=True))
         return result
 
@@ -266,14 +266,13 @@ class Services:
         elif isinstance(event, Moved):
             self.scenes.move(map_id, event.T_map_base)
 
-    def _graph_changed(self, map_id: str) -> int:
-        """Tell everybody; returns the revision that the file will be read as."""
+    def _graph_changed(self, map_id: str) -> None:
+        """Tell everybody, with the revision that the file will be read as."""
         with self._lock:
             view = next((view for (open_id, _), view in self._views.items() if open_id == map_id), None)
         revision = 1 if view is None else view.touch()
         self.hub.publish("graph", map_id, {"revision": revision})
         self.scenes.refresh(map_id)
-        return revision
 
 
 def _author(name: str) -> str:

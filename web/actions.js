@@ -11,7 +11,7 @@ import { viewer } from "./viewer.js";
 
 /** @type {import("@preact/signals").Signal<Toast[]>} */
 export const toasts = signal([]);
-/** @type {import("@preact/signals").Signal<Schemas["DecisionResult"] | null>} what the last decision did */
+/** @type {import("@preact/signals").Signal<{map: string, made: Schemas["DecisionResult"]} | null>} what the last decision did, and to which map */
 export const lastDecision = signal(null);
 
 /** Whether a decision is being carried out. */
@@ -91,7 +91,7 @@ export async function decide(decision) {
   const answer = await told(post("/api/maps/{map}/decisions", { path: { map }, body }));
   deciding.value = false;
   if (!answer || map !== openMapId.value) return null;
-  lastDecision.value = answer;
+  lastDecision.value = { map, made: answer };
   graphRevision.value += 1;
   void loadInfo();
   return answer;
@@ -151,7 +151,7 @@ async function alone(map, work, decisionOf) {
     const answer = await work;
     const made = decisionOf(answer);
     if (made && map === openMapId.value) {
-      lastDecision.value = made;
+      lastDecision.value = { map, made };
       graphRevision.value += 1;
       void loadInfo();
     }

@@ -35,6 +35,8 @@ export const RANGES = [
 ];
 
 const ALL_EVERY_MS = 10_000;
+/** One decision is heard of several times: as its answer, as a decision and as a new graph. */
+const TOGETHER_MS = 50;
 
 export class LoopList {
   /** @param {string} map */
@@ -47,16 +49,27 @@ export class LoopList {
     this.loaded = false;
     /** @type {Error | null} */
     this.error = null;
+    this.all = false;
     /** @type {Promise<void>} */
     this.queue = Promise.resolve();
+    /** @type {Promise<void> | null} the last of the queue, until it begins */
+    this.next = null;
     this.revision = signal(0);
   }
 
-  /** @param {{all?: boolean}} [what] */
+  /** What is asked for before the next request goes is asked for once. @param {{all?: boolean}} [what] */
   pull({ all = false } = {}) {
-    const whole = all || Date.now() - this.allAt > ALL_EVERY_MS;
-    this.queue = this.queue.then(() => this.#fetch(whole ? 0 : this.after));
-    return this.queue;
+    this.all ||= all;
+    this.next ??= this.queue = this.queue.then(() => this.#pullNext());
+    return this.next;
+  }
+
+  async #pullNext() {
+    if (this.loaded) await new Promise((resolve) => setTimeout(resolve, TOGETHER_MS));
+    const whole = this.all || Date.now() - this.allAt > ALL_EVERY_MS;
+    this.all = false;
+    this.next = null;
+    await this.#fetch(whole ? 0 : this.after);
   }
 
   /** @param {number} after update */

@@ -130,13 +130,19 @@ function refresh() {
   graphRevision.value += 1;
 }
 
+/** @type {{map: string | null, id: number} | null} the first of two nodes beside each other, as long as they are */
+let firstOfTwo = null;
+
 function followRoute() {
   const { view, key, query } = route.value;
-  if (!key) return;
-  const ids = key.split("-").map(Number);
-  if (ids.some((id) => !Number.isInteger(id))) return;
+  const ids = (key ?? "").split("-").map(Number);
   const beside = view === "nodes" ? Number(query.get("b")) : 0;
-  if (Number.isInteger(beside) && beside > 0 && beside !== ids[0]) selection.value = { kind: "link", from: ids[0], to: beside };
+  const isPair = Boolean(key) && Number.isInteger(beside) && beside > 0 && beside !== ids[0];
+  // Two that nothing links are marked together only while one looks at them.
+  if (!isPair && firstOfTwo && firstOfTwo.map === openMapId.value) selection.value = { kind: "node", id: firstOfTwo.id };
+  firstOfTwo = isPair ? { map: openMapId.value, id: ids[0] } : null;
+  if (!key || ids.some((id) => !Number.isInteger(id))) return;
+  if (isPair) selection.value = { kind: "link", from: ids[0], to: beside };
   else if (view === "nodes" && ids.length === 1) selection.value = { kind: "node", id: ids[0] };
   if (view === "loops" && ids.length === 2) selection.value = { kind: "link", from: ids[0], to: ids[1] };
 }

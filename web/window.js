@@ -86,6 +86,8 @@ export class Window {
     this.wanted = id;
     this.row = null;
     if (this.loaded && this.find(id) < 0) void this.#fetch(Math.floor(this.first / PAGE));
+    // It is known which row is meant, without anything having arrived.
+    else this.revision.value += 1;
   }
 
   /** Index of the node that was sought, -1 while it isn't known and where it is not in the table. */

@@ -43,7 +43,7 @@ def _nodes(snapshot: Snapshot, ids: Collection[int]) -> NodeColumns:
         tier=[snapshot.tiers.get(node_id, Tier.LTM) for node_id in chosen],
         pose=pose_lists(np.array([snapshot.poses.get(i, _UNKNOWN) for i in chosen]).reshape(-1, 4, 4)),
         odom=pose_lists(table.T_odom[rows]),
-        truth=pose_lists(table.T_world[rows]) if snapshot.has_truth else None,
+        truth=pose_lists(table.T_world[rows]) if snapshot.truth.is_known else None,
     )
 
 

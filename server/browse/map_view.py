@@ -71,6 +71,11 @@ class MapView:
         # Of updates, which are read once.
         self._faults: Faults = {}
 
+    @property
+    def revision(self) -> int:
+        """What the file was last read as, or will be read as where somebody said that it changed."""
+        return self._revision
+
     def snapshot(self) -> Snapshot:
         """What the file holds now."""
         with self._lock:

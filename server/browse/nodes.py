@@ -68,7 +68,7 @@ def detail(view: MapView, node_id: int) -> NodeDetail:
     table = snapshot.all_nodes
     row = require_known(snapshot, node_id)
     node = view.reader.node(node_id)
-    true = None if node.T_world_base is None else snapshot.T_map_world @ node.T_world_base
+    true = None if node.T_world_base is None else snapshot.truth.T_map_world @ node.T_world_base
     linked = sorted(snapshot.links_at.get(node_id, []), key=lambda link: (link.type, link.pair))
     faults: Faults = {}
     measured, sensors = values_at(view.reader, node_id, faults), node_sensors(view.reader, node_id)

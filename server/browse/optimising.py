@@ -138,7 +138,7 @@ def _state(snapshot: Snapshot, graph: PoseGraph, poses: Mapping[int, Pose], cost
     taking_part = {**snapshot.poses, **poses}
     return GraphState(
         chi2=cost,
-        ate_m=snapshot.ate_at(taking_part, graph.links),
+        ate_m=snapshot.truth.ate_at(taking_part, graph.links),
         path_m=float(np.linalg.norm(np.diff(positions, axis=0), axis=1).sum()),
     )
 
@@ -146,8 +146,8 @@ def _state(snapshot: Snapshot, graph: PoseGraph, poses: Mapping[int, Pose], cost
 def _path(snapshot: Snapshot, poses: Mapping[int, Pose], ids: list[int], *, aligned: bool) -> Array:
     """The poses (N, 4, 4) of a step, laid over the true path as the 3D view has it where that is asked for."""
     T = np.array([poses[i] for i in ids]).reshape(-1, 4, 4)
-    if not aligned or not snapshot.has_truth:
+    if not aligned or not snapshot.truth.is_known:
         return T
-    true = snapshot.T_map_world @ snapshot.nodes.T_world[[snapshot.rows[i] for i in ids]]
+    true = snapshot.truth.T_map_world @ snapshot.nodes.T_world[[snapshot.rows[i] for i in ids]]
     known = np.isfinite(true[:, 0, 3])
     return np.asarray(align(true[known, :3, 3], T[known, :3, 3]) @ T) if known.sum() > 1 else T

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from server.browse.beliefs import BeliefLog
 from server.browse.completion import Completion, complete
 from server.browse.statistics import StatisticsLog
+from server.browse.stored_parameters import as_params, parameter_texts
 from server.browse.told import told_by_statistics
-from slam.accuracy import frames_ate_m, pooled_ate_m
+from server.browse.truth import Truth
 from slam.database import CandidateRow, Fault, Faults, JournalEntry, MapReader, NodeTable
-from slam.errors import DatabaseError, ParameterError
-from slam.evaluate import align
+from slam.errors import DatabaseError
 from slam.geometry import Pose
 from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import chi2, choose_root, optimize
@@ -25,8 +24,8 @@ from slam.graph.suspicion import Suspicion, suspicions
 from slam.graph.verify import residual_ratios
 from slam.history import History
 from slam.loop.aliasing import LookAlike, look_alike
-from slam.params import Params, specs
-from slam.types import WEIGHT_INVALID, Candidate, Link, Tier, TrackedFrame
+from slam.params import Params
+from slam.types import WEIGHT_INVALID, Candidate, Link, Tier
 
 Pair = tuple[int, int]
 
@@ -255,69 +254,22 @@ class Snapshot:
     @cached_property
     def params(self) -> Params:
         """Parameters of the newest session, with the changes made while it ran."""
-        params, known = Params(), {entry.name for entry in specs()}
-        for name in self.parameter_texts.keys() & known:
-            text = self.parameter_texts[name]
-            try:
-                params = params.changed({name: text})
-            except ParameterError:
-                # A value that we don't allow: it stays in the file, the default counts.
-                continue
-        return params
+        return as_params(self.parameter_texts)
 
     @cached_property
     def parameter_texts(self) -> dict[str, str]:
         """The same as text, names that slamdeck doesn't know included."""
-        sessions = self.reader.sessions(self.faults)
-        began = sessions[-1].started if sessions else None
-        changes = [
-            change for change in self.reader.parameter_changes(self.faults) if began is None or change.time >= began
-        ]
-        return {**self._stored_parameters(), **{change.name: change.value for change in changes}}
-
-    def _stored_parameters(self) -> dict[str, str]:
-        try:
-            return self.reader.parameters()
-        except DatabaseError as error:
-            self.faults[Fault("Info", "newest", f"defaults stand for its parameters: {error}")] = None
-            return {}
+        return parameter_texts(self.reader, self.faults)
 
     @cached_property
-    def has_truth(self) -> bool:
-        """Whether any node knows where it truly was."""
-        return bool(np.isfinite(self.nodes.T_world[:, 0, 3]).any())
+    def truth(self) -> Truth:
+        """Where the nodes truly were."""
+        return Truth(self.nodes, self.poses, lambda: self.reader.trajectory(self.faults))
 
     @cached_property
     def ate_m(self) -> float | None:
         """Absolute trajectory error of all tracked frames (nodes, where frames aren't stored); None without truth."""
-        return self.ate_at(self.poses, self.links)
-
-    def ate_at(self, poses: Mapping[int, Pose], pairs: Iterable[Pair]) -> float | None:
-        """The same with nodes at other poses, and joined by links between other pairs."""
-        if not self.has_truth:
-            return None
-        if self._frames:
-            return frames_ate_m(self._frames, poses, pairs)
-        return pooled_ate_m(*self._node_path(poses), pairs)
-
-    @cached_property
-    def _frames(self) -> list[TrackedFrame]:
-        return self.reader.trajectory(self.faults)
-
-    @cached_property
-    def T_map_world(self) -> Pose:
-        """Lays the true path over the map's, by the nodes that have both; NaN where none has."""
-        T_world, T_map, _ = self._node_path(self.poses)
-        known = np.isfinite(T_world[:, 0, 3])
-        return align(T_map[known, :3, 3], T_world[known, :3, 3]) if known.any() else np.full((4, 4), np.nan)
-
-    def _node_path(
-        self, poses: Mapping[int, Pose]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-        ids = [node_id for node_id in self.nodes.ids.tolist() if node_id in poses]
-        rows = [self.rows[node_id] for node_id in ids]
-        T_map = np.array([poses[node_id] for node_id in ids]).reshape(-1, 4, 4)
-        return self.nodes.T_world[rows], T_map, np.array(ids, np.int64)
+        return self.truth.ate_at(self.poses, self.links)
 
 
 def _is_constraint(link: Link) -> bool:

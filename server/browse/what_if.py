@@ -65,7 +65,7 @@ class WhatIfs:
 def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: bool) -> LoopWhatIf:
     params = snapshot.params
     tried = {**view.trials.done(params), **{p: row.candidate for p, row in snapshot.candidates.items()}}
-    held = {pair for pair in snapshot.links.keys() | tried.keys() if pair in snapshot.verdicts}
+    held = snapshot.verdicts.keys() & (snapshot.links.keys() | tried.keys())
     found = foresee(_hypotheses(view, snapshot), snapshot.links, tried, held, threshold, params.Rtabmap.LoopThr)
     untried = [one.hypothesis for one in found if one.outcome is Outcome.UNTRIED]
     view.trials.ask(untried, params)
@@ -83,7 +83,7 @@ def _foreseen(view: MapView, snapshot: Snapshot, threshold: float, with_graph: b
         pending=pending,
         precision=precision,
         recall=recall,
-        ate_now_m=snapshot.ate_m if graph is None else snapshot.ate_at(snapshot.optimum, snapshot.links),
+        ate_now_m=snapshot.ate_m if graph is None else snapshot.truth.ate_at(snapshot.optimum, snapshot.links),
         graph=graph,
     )
 
@@ -186,7 +186,7 @@ def _graph(snapshot: Snapshot, found: Sequence[Foreseen]) -> tuple[WhatIfGraph, 
         poses=list(there.values()),
         moved=shift.moved,
         max_shift_m=shift.max_m,
-        ate_m=snapshot.ate_at(graph.poses, graph.links),
+        ate_m=snapshot.truth.ate_at(graph.poses, graph.links),
         stored_off_m=Shift.between(snapshot.graph.poses, before).max_m,
     )
     return answer, judged

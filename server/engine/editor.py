@@ -99,9 +99,10 @@ class Editor:
             answer, changed = None, False
         else:
             raise EngineError(f"no engine is mapping {self._path.name}: start a run first")
-        self._channel.answer(request, answer)
+        # Who asked is answered once everybody has been told.
         if changed:
             self._changed(map_file)
+        self._channel.answer(request, answer)
 
     def _changed(self, map_file: Opened) -> None:
         map_file.grid.is_due = True

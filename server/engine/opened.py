@@ -39,5 +39,5 @@ def opened(path: Path, params: Params | None = None) -> Iterator[Opened]:
         snapshot = Snapshot(reader, 1, {})
         chosen = snapshot.params if params is None else params
         graph = PoseGraph.from_reader(reader)
-        review = Review(graph, writer, reader, chosen, lambda poses: snapshot.ate_at(poses, graph.links))
+        review = Review(graph, writer, reader, chosen, lambda poses: snapshot.truth.ate_at(poses, graph.links))
         yield Opened(writer, reader, chosen, review, GridRebuild(reader, writer, graph, chosen))

@@ -169,9 +169,8 @@ class Runner:
     def _done(self, slam: Slam, request: Request, answer: Outcome | Effect, *, preview: bool) -> None:
         if not preview:
             slam.poses_changed()
-        self._channel.answer(request, answer)
-        if not preview:
             self._channel.send(GraphChanged())
+        self._channel.answer(request, answer)
 
     def _progress(self, slam: Slam) -> None:
         self._told = time.monotonic()

@@ -13,7 +13,7 @@ from slam.geometry import Pose
 from slam.maps.point_cloud import Colors, Points, node_cloud
 
 #: Points of all clouds of an ordinary map, and of one cloud.
-_ALL = 600_000
+_ALL = 1_000_000
 _LEAST, _MOST = 4_000, 12_000
 #: Depth images are read at about this many columns; at more where there is room for many points.
 _COLUMNS, _FINE_COLUMNS = 160, 240

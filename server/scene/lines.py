@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 Segments = NDArray[np.float64]
 
-#: Segments of one scene node: a map that grows sends only the last piece again.
-PIECE = 1024
+#: Segments of one scene node: a map that grows, or whose past somebody goes through, sends only the last piece again.
+PIECE = 512
 
 
 class Lines:
-    """Line segments of one colour and one thickness in pixels; what did not change is not sent."""
+    """Line segments of one colour and one thickness in pixels; what did not change or is not to be seen is not sent."""
 
     def __init__(self, scene: SceneApi, name: str, thickness_px: float) -> None:
         self._scene = scene
@@ -29,6 +29,10 @@ class Lines:
 
     def draw(self, segments: Segments, rgb: Rgb, *, visible: bool = True) -> None:
         """Show segments (S, 2, 3), map frame."""
+        for piece in self._pieces:
+            piece.visible = visible
+        if not visible:
+            return
         colour = np.array(for_line(rgb), dtype=np.uint8)
         wanted = -(-len(segments) // PIECE)
         for number in range(wanted):
@@ -41,8 +45,6 @@ class Lines:
         for gone in self._pieces[wanted:]:
             gone.remove()
         del self._pieces[wanted:]
-        for piece in self._pieces:
-            piece.visible = visible
 
     def _make(self, number: int, part: NDArray[np.float32], colour: NDArray[np.uint8]) -> LineSegmentsHandle:
         return self._scene.add_line_segments(

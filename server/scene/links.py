@@ -13,7 +13,7 @@ from server.scene.batched import Batch
 from server.scene.colours import Theme
 from server.scene.lines import Lines
 from server.scene.placed import LOOPS, LinkKind, PlacedGraph
-from server.scene.shapes import icosphere
+from server.scene.shapes import ball
 from server.scene.tone import Rgb
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ _THICKNESS_PX = {
     LinkKind.REFUSED: 1.4,
 }
 #: Pieces of an arc, an even number: of one among few, among more than ``_MANY``, and where every other is a gap.
-_STEPS, _FEWER_STEPS, _DASHED_STEPS = 12, 6, 36
+_STEPS, _FEWER_STEPS, _DASHED_STEPS = 12, 4, 36
 _MANY = 1500
 
 
@@ -65,7 +65,7 @@ class LinkLayer:
             self._lines[kind].draw(pieces[::2] if kind is LinkKind.REFUSED else pieces, rgb, visible=visible)
             tops = arcs[:, arcs.shape[1] // 2]
             paint = np.tile(np.array(rgb, dtype=np.uint8), (len(rows), 1))
-            self._knots[kind].draw(tops, paint, icosphere(1), 0.55 * radius, visible=visible)
+            self._knots[kind].draw(tops, paint, ball(4 * len(rows)), 0.55 * radius, visible=visible)
 
     def _picker(self, kind: LinkKind) -> Callable[[int], None]:
         def clicked(index: int) -> None:

@@ -10,14 +10,11 @@ import numpy as np
 from server.scene.batched import Batch
 from server.scene.colours import Theme, node_colours
 from server.scene.placed import Ints, PlacedGraph
-from server.scene.shapes import icosphere
+from server.scene.shapes import ball
 from server.schemas.scene import Colouring
 
 if TYPE_CHECKING:
     from viser import SceneApi
-
-#: Nodes that are drawn as round as they can be; more of them, seen from farther away, are drawn with a quarter of it.
-_FINE = 2000
 
 
 class NodeLayer:
@@ -40,8 +37,8 @@ class NodeLayer:
     ) -> None:
         """Show the nodes as they are now."""
         self._ids = graph.ids
-        ball = icosphere(2 if len(graph) <= _FINE else 1)
-        self._balls.draw(graph.positions, node_colours(graph, how, look, values), ball, radius, visible=visible)
+        colours = node_colours(graph, how, look, values)
+        self._balls.draw(graph.positions, colours, ball(len(graph)), radius, visible=visible)
 
     def _clicked(self, index: int) -> None:
         ids = self._ids

@@ -53,6 +53,7 @@ class Picture:
     snapshot: Snapshot
     graph: PlacedGraph
     wanted: Shown
+    measure: Measure
 
     @property
     def state(self) -> Scene:
@@ -75,19 +76,23 @@ class Picture:
         return theme(self.state.dark)
 
     @cached_property
+    def _present(self) -> PlacedGraph:
+        """The part of the graph that was there."""
+        return self.graph if self.then is None else self.graph.then(self.then.moment, self.then.poses)
+
+    @cached_property
     def shown(self) -> PlacedGraph:
-        """The part of the graph that was there, of the sessions that are not hidden."""
-        graph = self.graph if self.then is None else self.graph.then(self.then.moment, self.then.poses)
-        return graph.without_sessions(self.state.hidden_sessions) if self.state.hidden_sessions else graph
+        """Of that the sessions that are not hidden."""
+        hidden = self.state.hidden_sessions
+        return self._present.without_sessions(hidden) if hidden else self._present
 
     @cached_property
     def placed(self) -> PlacedGraph:
         """All nodes where they are shown: those of then where they were, and out of sight those that came later."""
         if self.then is None or self.then.poses is None:
             return self.graph
-        then = self.graph.then(self.then.moment, self.then.poses)
         T_map = self.graph.T_map.copy()
-        T_map[: len(then)] = then.T_map
+        T_map[: len(self._present)] = self._present.T_map
         return replace(self.graph, T_map=T_map)
 
     @property
@@ -115,11 +120,6 @@ class Picture:
         if not self.alone:
             return self.state.layers
         return SceneLayers(**dict.fromkeys(SceneLayers.model_fields, False))
-
-    @cached_property
-    def measure(self) -> Measure:
-        """Its sizes."""
-        return Measure.of(self.graph.positions)
 
 
 class Painter:
@@ -166,8 +166,12 @@ class Painter:
         Missing clouds come with ``load_some``.
         """
         before, state = self._shown, wanted.state
-        graph = before.graph if before is not None and before.snapshot is snapshot else PlacedGraph.of(snapshot)
-        picture = Picture(snapshot, graph, wanted)
+        if before is not None and before.snapshot is snapshot:
+            graph, measure = before.graph, before.measure
+        else:
+            graph = PlacedGraph.of(snapshot)
+            measure = Measure.of(graph.positions)
+        picture = Picture(snapshot, graph, wanted, measure)
         shown = None if picture.shown is graph else picture.shown.rows
         with_images = snapshot.pictured if state.layers.cloud else frozenset()
         with_scans = snapshot.scanned if state.layers.cloud else frozenset()

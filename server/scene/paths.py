@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from viser import SceneApi
 
 
+_NONE: Segments = np.zeros((0, 2, 3))
+
+
 class PathLayer:
     """Odometry dashed, ground truth solid."""
 
@@ -28,13 +31,13 @@ class PathLayer:
         self, graph: PlacedGraph, dash_m: float, look: Theme, *, odometry: bool, truth: bool, until: int | None = None
     ) -> None:
         """Show either or both as they are now, up to a node."""
-        self._odometry.draw(odometry_path(graph, dash_m, until), look.odometry, visible=odometry)
-        self._truth.draw(true_path(graph, until), look.truth, visible=truth)
+        self._odometry.draw(odometry_path(graph, dash_m, until) if odometry else _NONE, look.odometry, visible=odometry)
+        self._truth.draw(true_path(graph, until) if truth else _NONE, look.truth, visible=truth)
 
 
 def odometry_path(graph: PlacedGraph, dash_m: float, until: int | None = None) -> Segments:
     """Where odometry alone would have gone (S, 2, 3), each session beginning where the map has its first node."""
-    found = [np.zeros((0, 2, 3))]
+    found = [_NONE]
     for rows in _sessions(graph, _known(graph.T_odom) & _before(graph, until)):
         T_map_odom = graph.T_map[rows[0]] @ inverse(graph.T_odom[rows[0]])
         found.append(dashed(transform(T_map_odom, graph.T_odom[rows, :3, 3]), dash_m))
@@ -45,9 +48,9 @@ def true_path(graph: PlacedGraph, until: int | None = None) -> Segments:
     """The true path (S, 2, 3) up to a node, laid over the map's as well as all of it goes."""
     known = _known(graph.T_world)
     if known.sum() < 2:
-        return np.zeros((0, 2, 3))
+        return _NONE
     T_map_world = align(graph.positions[known], graph.T_world[known, :3, 3])
-    found = [np.zeros((0, 2, 3))]
+    found = [_NONE]
     found += [
         chain(transform(T_map_world, graph.T_world[rows, :3, 3]))
         for rows in _sessions(graph, known & _before(graph, until))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from server.browse.map_view import MapView
 from server.browse.past import Then
 from server.browse.snapshot import Pair
+from server.scene.changes import changed
 from server.scene.colours import NAMED
 from server.scene.shown import OptimisedPath, Shown
 from server.schemas import LoopWhatIf
@@ -116,50 +117,17 @@ class MapScene:
         self._changed.set()
 
     def state(self) -> Scene:
-        """What is shown, and how."""
+        """What is shown, and how; another one after each change."""
         with self._lock:
-            return self._state.model_copy(deep=True)
+            return self._state
 
     def change(self, change: SceneChange) -> Scene:
-        """Take over what the change names and draw it soon; selecting a node deselects a link, and the reverse."""
-        named = change.model_fields_set
+        """Take over what the change names and draw it soon."""
         with self._lock:
-            state = self._state
-            if change.layers is not None:
-                layers = state.layers.model_dump() | change.layers.model_dump(exclude_none=True)
-                state.layers = SceneLayers(**layers)
-            state.colour = change.colour if change.colour is not None else state.colour
-            state.dark = change.dark if change.dark is not None else state.dark
-            state.node_parts = state.node_parts if change.node_parts is None else list(change.node_parts)
-            state.alone = state.alone if change.alone is None else change.alone
-            if "what_if" in named:
-                state.what_if = change.what_if
-            if "trial" in named:
-                state.trial = change.trial
-            if "overlay" in named:
-                state.overlay = change.overlay
-            state.overlay_of = change.overlay_of or state.overlay_of
-            if "optimised" in named:
-                state.optimised = change.optimised
-            if change.hidden_links is not None:
-                state.hidden_links = change.hidden_links
-            if change.hidden_sessions is not None:
-                state.hidden_sessions = change.hidden_sessions
-            if "at" in named:
-                state.at = change.at
-                state.placing, state.placing_note = ("now", "") if change.at is None else (state.placing, "")
-            if "selected_node" in named:
-                state.selected_node = change.selected_node
-                if change.selected_node is not None:
-                    state.selected_link = None
-            if "selected_link" in named:
-                state.selected_link = change.selected_link
-                if change.selected_link is not None and change.selected_node is None:
-                    state.selected_node = None
-            state.revision += 1
+            state = self._state = changed(self._state, change)
         self.refresh()
         self._tell()
-        return self.state()
+        return state
 
     def close(self) -> None:
         """Stop drawing and close the port; what is to be shown is kept."""
@@ -199,11 +167,12 @@ class MapScene:
         placing: Placing = "then" if then.poses is not None else "now" if then.failure else "soon"
         said = {"placing": placing, "placing_note": then.failure or ""}
         with self._lock:
-            changed = any(getattr(self._state, name) != value for name, value in said.items())
-            if changed:
+            # Somebody may have gone on meanwhile: what is told of a moment belongs to that one alone.
+            is_news = self._state.at == drawn.at and any(getattr(self._state, name) != said[name] for name in said)
+            if is_news:
                 self._state = self._state.model_copy(update={**said, "revision": self._state.revision + 1})
             drawn = drawn.model_copy(update={**said, "revision": self._state.revision})
-        if changed:
+        if is_news:
             self._tell()
         return drawn
 

@@ -17,6 +17,16 @@ class Shape:
     faces: NDArray[np.int64]
 
 
+#: Up to so many balls are drawn with 320 and with 80 faces each, more with 20: they are seen from farther away, and
+#: where there is no graphics card their faces are most of the work of a picture.
+_FINE, _FAIR = 300, 1500
+
+
+def ball(count: int) -> Shape:
+    """A ball of radius 1 that is to be drawn so many times."""
+    return icosphere(2 if count <= _FINE else 1 if count <= _FAIR else 0)
+
+
 @cache
 def icosphere(subdivisions: int) -> Shape:
     """A ball of radius 1: an icosahedron whose faces were cut into four so many times."""

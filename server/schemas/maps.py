@@ -49,6 +49,8 @@ class MapInfo(MapFacts):
     id: str
     name: str
     loops: int
+    refused: int
+    """Loops that were looked at and are no links, or no more."""
     live: bool
     """Whether an engine is mapping it now."""
     writable: bool

@@ -12,12 +12,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from server.error_responses import error_response
 from server.schemas import ErrorDetail
 from server.security.origin import HostCheck, comes_from_own_page
-from server.security.policy import page_headers, viser_headers
+from server.security.policy import frame_headers, page_headers, viser_headers
 from server.security.token import TokenCheck
 from server.settings import Settings
 
 #: Answers without a token, and says nothing but that it is there (for container health checks).
 HEALTH = "/healthz"
+#: The document around a 3D view.
+_FRAME = "/frame.html"
 _POLICY_VIOLATION = 1008
 _NO_TOKEN = (
     "this needs the server's token: open the address that its terminal printed, "
@@ -34,6 +36,7 @@ class Guard:
         self._hosts = HostCheck(settings)
         self._page = page_headers(index)
         self._viser = viser_headers()
+        self._frame = frame_headers()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let it through, or answer it here."""
@@ -77,7 +80,8 @@ class Guard:
         return answer
 
     def _with_headers(self, scope: Scope, send: Send) -> Send:
-        headers = self._viser if scope["path"].startswith("/viser/") else self._page
+        path = scope["path"]
+        headers = self._viser if path.startswith("/viser/") else self._frame if path == _FRAME else self._page
 
         async def sending(message: Message) -> None:
             if message["type"] == "http.response.start":

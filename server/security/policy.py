@@ -17,6 +17,10 @@ _COMMON = {
     "Permissions-Policy": "camera=(), microphone=(), geolocation=(), usb=(), serial=()",
 }
 
+#: Documents with this share a process with each other, not with the page, where a browser can (and the address is
+#: https or this machine): WebGL may keep a thread waiting for seconds, above all where it draws in software.
+_ISOLATED = {"Document-Isolation-Policy": "isolate-and-require-corp"}
+
 #: viser's client unpacks itself with WebAssembly into inline script and style, talks from a worker made of a blob, and
 #: has another one (for Gaussian splats) whose code makes functions out of text as soon as it starts.
 _VISER = (
@@ -40,7 +44,12 @@ def page_headers(index: Path | None) -> dict[str, str]:
 
 def viser_headers() -> dict[str, str]:
     """Headers of the 3D view, which is a page of its own in a frame."""
-    return {"Content-Security-Policy": _VISER, **_COMMON}
+    return {"Content-Security-Policy": _VISER, **_ISOLATED, **_COMMON}
+
+
+def frame_headers() -> dict[str, str]:
+    """Headers of the document around the 3D view."""
+    return {**page_headers(None), **_ISOLATED}
 
 
 def import_map_hashes(index: Path | None) -> list[str]:

@@ -8,6 +8,8 @@ import time
 from contextlib import suppress
 
 _PIECE = 65_536
+#: A stream's own sign of life is shorter; a message of a 3D view never is.
+_LEAST = 16
 
 
 class CountedPort:
@@ -73,7 +75,8 @@ class CountedPort:
             self.bytes += len(part)
             if is_view:
                 self.views += len(part)
-                self.moments.append(self.last)
+                if len(part) > _LEAST:
+                    self.moments.append(self.last)
             writer.write(part)
             await writer.drain()
         writer.close()

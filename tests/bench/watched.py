@@ -52,10 +52,13 @@ class WatchedPage:
         self.port = CountedPort(int(server.base.split(":")[2].split("/")[0]))
         self.base = f"http://127.0.0.1:{self.port.port}/"
         self.requests: list[tuple[str, float]] = []
+        self._waiting: set[Request] = set()
         self._context = browser.new_context(viewport=VIEWPORT)
         self._context.add_init_script(_UNSEEN)
         self.page: Page = self._context.new_page()
         self.page.set_default_timeout(1000 * _PATIENCE_S)
+        self.page.on("request", lambda request: self._waiting.add(request))
+        self.page.on("requestfailed", lambda request: self._waiting.discard(request))
         self.page.on("requestfinished", self._finished)
         self.page.goto(f"{self.base}?{server.url.split('?')[1]}")
 
@@ -65,9 +68,9 @@ class WatchedPage:
         self.port.close()
 
     def quiet(self) -> None:
-        """Wait until nothing came for some seconds."""
+        """Wait until every request is answered and nothing came for some seconds."""
         self.port.last = time.monotonic()
-        self.wait(lambda: time.monotonic() - self.port.last > _QUIET_S)
+        self.wait(lambda: not self._waiting and time.monotonic() - self.port.last > _QUIET_S)
 
     def wait(self, known: Callable[[], bool]) -> None:
         """Wait until something is true; raises TimeoutError."""
@@ -82,4 +85,5 @@ class WatchedPage:
         return float(self.page.evaluate("() => Math.max(0, ...window.longTasks)"))
 
     def _finished(self, request: Request) -> None:
+        self._waiting.discard(request)
         self.requests.append((request.url, max(0.0, request.timing["responseEnd"]) / 1e3))

@@ -14,8 +14,8 @@ from slam.params import Params
 from slam.types import Candidate, Link, Node, Odometry, Update
 from tests.graphs import circles
 
-#: Each cloud has about this many points: depth images of 100x100.
-_SIDE = 100
+#: Each cloud has 10,000 points: depth images of 100x100 of a wall, so near that none of them are taken for a ceiling.
+_SIDE, _WALL_M = 100, 1.0
 _CAMERA = Camera(_SIDE, _SIDE, 60.0, 60.0, 49.5, 49.5)
 
 
@@ -45,7 +45,7 @@ def _record(graph: PoseGraph, i: int, rng: np.random.Generator, *, with_images: 
         "Timing/Total/ms": float(rng.uniform(20.0, 60.0)),
     }
     image = rng.integers(0, 255, (_SIDE, _SIDE, 3)).astype(np.uint8) if with_images else None
-    depth = np.full((_SIDE, _SIDE), 2.0, np.float32) if with_images else None
+    depth = np.full((_SIDE, _SIDE), _WALL_M, np.float32) if with_images else None
     return NodeRecord(node=node, update=update, links=links, statistics=statistics, image_bgr=image, depth_m=depth)
 
 

@@ -41,6 +41,10 @@ def test_a_rejected_loop_is_linked_again_by_hand_detected_in_bulk_and_undone(own
     tool = page.locator(".link-tool")
     expect(tool).to_contain_text(f"Nodes {from_id} and {to_id} are not linked")
     expect(page.locator("#link-accept")).to_be_disabled()
+    # Numbers begin where the map has both nodes.
+    tool.get_by_role("button", name="Type").click()
+    expect(tool.get_by_label("x (m)").first).not_to_have_value("0")
+    tool.get_by_role("button", name="Match").click()
     page.locator("#link-preview").click()
     outcome = page.locator("#link-outcome")
     expect(outcome).to_contain_text(re.compile(r"Inliers\s*\d+ of \d+"), timeout=SLOW)

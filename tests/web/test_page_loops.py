@@ -90,6 +90,7 @@ def test_filters_and_order(library: Served, open_page: OpenPage) -> None:
     page.get_by_label("Type").select_option("GlobalClosure")
     expect(rows.filter(has_text="proximity")).to_have_count(0)
     page.get_by_label("Least inliers").select_option("80")
+    expect(page).to_have_url(re.compile(r"type=GlobalClosure&inliers=80$"))
     page.get_by_role("button", name="Inliers", exact=True).click()
     shown = [int(text.split("/")[0]) for text in page.locator(".table-row .cell:nth-child(5)").all_inner_texts()]
     assert shown == sorted(shown, reverse=True)
@@ -149,6 +150,8 @@ def test_reject_shows_the_effect_and_undo_takes_it_back(own: Served, open_page: 
     expect(effect).to_contain_text(re.compile(r"moved \d+ poses?"))
     expect(effect).to_contain_text("ATE")
     expect(row).to_contain_text("rejected")
+    page.keyboard.press("r")
+    expect(page.get_by_text(f"{name}: it is rejected already")).to_be_visible()
     page.keyboard.press("u")
     expect(effect).to_contain_text(f"Undid {name}", timeout=SLOW)
     expect(row).to_contain_text("accepted")

@@ -88,6 +88,17 @@ def test_an_address_without_a_filter_names_none(modules: Page, query: str) -> No
     assert call(modules, "loop_query.js", "m.filterOf(new URLSearchParams(a))", query) is None
 
 
+def test_a_row_that_is_here_is_found_and_told_of_at_once(modules: Page) -> None:
+    code = """(() => {
+        const rows = Object.assign(new m.Window("tour"), {loaded: true});
+        rows.pages.set(0, a.map((id) => ({id})));
+        const before = rows.revision.value;
+        rows.seek(a[1]);
+        return [rows.sought(), rows.revision.value > before];
+    })()"""
+    assert call(modules, "window.js", code, [5, 7]) == [1, True]
+
+
 @pytest.mark.parametrize("text", ["", "#", "#/nowhere", "#/map", "#/map/tour/nowhere/5", "#/%E0%A4%A"])
 def test_any_address_leads_to_a_view(modules: Page, text: str) -> None:
     parsed = call(modules, "router.js", "m.parse(a)", text)

@@ -10,6 +10,11 @@ from tests.web.conftest import OpenPage, until
 from tests.web.served import Served
 
 NODES = "#/map/flat/nodes"
+#: Whether the 3D view of this window marks these.
+MARKED = """async (wanted) => {
+    const scene = await (await fetch(`api/scene/flat?viewer=${sessionStorage["slamdeck.viewer"]}`)).json();
+    return Object.entries(wanted).every(([name, value]) => JSON.stringify(scene[name]) === JSON.stringify(value));
+}"""
 
 
 def paints(page: Page, label: str, colours: int) -> None:
@@ -79,6 +84,11 @@ def test_the_table_sorts_searches_and_follows_the_keys(library: Served, open_pag
     page.keyboard.press("k")
     last = int(page.url.rsplit("/", 1)[1])
     expect(page.get_by_role("row", selected=True)).to_contain_text(str(last))
+    here = int(page.evaluate("location.hash.split('/').pop()"))
+    for node in (here - 1, here - 2, here - 3):
+        page.keyboard.press("k")
+        expect(page).to_have_url(re.compile(rf"/nodes/{node}$"))
+        expect(page.get_by_role("row", selected=True)).to_contain_text(re.compile(rf"^{node}"))
     page.get_by_role("searchbox", name="Find nodes by id, label, time or place").fill("12")
     expect(rows.nth(1)).to_contain_text("12")
     page.get_by_role("searchbox").fill("id:5..6 loops:>=0")
@@ -112,6 +122,10 @@ def test_two_nodes_stand_side_by_side_with_their_words(library: Served, open_pag
     expect(
         pair.or_(page.get_by_role("region", name="Nodes 10 and 9")).get_by_role("link", name="evidence")
     ).to_be_visible()
+    until(page, MARKED, {"selected_node": None, "selected_link": [10, 9]})
+    page.goto(f"{library.base}#/map/flat/stats")
+    until(page, MARKED, {"selected_node": 10, "selected_link": None})
+    page.go_back()
     page.get_by_role("button", name="Look at the first alone").click()
     expect(page.get_by_role("region", name="Node 10")).to_be_visible()
 

@@ -81,7 +81,7 @@ export function stopReason() {
 
 /** What the last decision made here did. */
 export function EffectLine() {
-  const last = lastDecision.value;
+  const last = lastDecision.value?.map === openMapId.value ? lastDecision.value?.made : null;
   if (deciding.value) return html`<p class="effect" role="status">Optimising the graph…</p>`;
   if (!last) return null;
   const { entry, effect, count } = last;

@@ -37,7 +37,8 @@ export function Legend() {
 function graphEntries({ colour, hidden_links: hidden = [] }) {
   const nodes = colour === "memory" ? memoryEntries() : rampEntries(colour);
   const loops = LOOPS.filter(([, , , kind]) => !hidden.includes(kind)).flatMap(([type, token, label]) => loopEntry(type, token, label));
-  return [...nodes, ...loops, ...(hidden.includes("refused") ? [] : [/** @type {Entry} */ ({ token: "refused", label: "refused", kind: "dash" })])];
+  const refused = info.value?.refused && !hidden.includes("refused") ? [/** @type {Entry} */ ({ token: "refused", label: "refused", kind: "dash" })] : [];
+  return [...nodes, ...loops, ...refused];
 }
 
 /** @param {string} type @param {string} token @param {string} label @returns {Entry[]} */

@@ -1,7 +1,7 @@
 // A link by hand: two nodes, how they are matched, what it would do, and then done.
 import { useEffect, useState } from "preact/hooks";
 import { h, html } from "../html.js";
-import { deciding, editLink } from "../actions.js";
+import { deciding, editLink, told } from "../actions.js";
 import { get } from "../api.js";
 import * as text from "../format.js";
 import { go, link as linkTo, route } from "../router.js";
@@ -90,6 +90,13 @@ function Form({ map, from, to, known, onDone }) {
   const [failed, setFailed] = useState("");
   const [busy, setBusy] = useState(false);
   useEffect(() => (setSeen(null), setFailed(""), setForce(false)), [action, method, guess, points, typed]);
+  // Where no link says better, numbers are typed from where the map has both nodes.
+  useEffect(() => {
+    if (action !== "edit" || typed.transform !== ZEROS) return;
+    void told(get("/api/maps/{map}/nodes/{node_id}/pair/{other_id}", { path: { map, node_id: from, other_id: to } })).then(
+      (pair) => pair?.map && setTyped((last) => (last.transform === ZEROS ? { ...last, transform: fields(pair.map?.transform ?? []) } : last)),
+    );
+  }, [action]);
   const locked = lockReason();
   const pairs = points.flatMap(({ left, right }) => (right ? [[...left, ...right]] : []));
   const ready = action !== "points" || pairs.length > 2;
@@ -153,9 +160,13 @@ function Numbers({ from, to, typed, onChange }) {
 /** @param {import("./link.js").LinkDetail | null} known @param {number} from @returns {Typed} */
 function start(known, from) {
   if (!known?.transform || known.from !== from) return { transform: ZEROS, sigmas: SIGMAS };
-  const numbers = [...known.transform.slice(0, 3), ...rollPitchYaw(known.transform)];
   const sigmas = known.sigma_m && known.sigma_deg ? [...known.sigma_m, ...known.sigma_deg] : SIGMAS.map(Number);
-  return { transform: numbers.map((value) => value.toFixed(4)), sigmas: sigmas.map((value) => (value > 99 ? "0" : value.toFixed(4))) };
+  return { transform: fields(known.transform), sigmas: sigmas.map((value) => (value > 99 ? "0" : value.toFixed(4))) };
+}
+
+/** @param {number[]} pose x y z qx qy qz qw */
+function fields(pose) {
+  return [...pose.slice(0, 3), ...rollPitchYaw(pose)].map((value) => value.toFixed(4));
 }
 
 /** @param {{seen: Result, done: boolean}} props */

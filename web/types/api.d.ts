@@ -2312,6 +2312,11 @@ export interface components {
             parameters: {
                 [key: string]: string;
             };
+            /**
+             * Refused
+             * @description Loops that were looked at and are no links, or no more.
+             */
+            refused: number;
             /** Seeds */
             seeds: number[];
             /** Session List */

@@ -32,6 +32,7 @@ def test_reject_undo_redo_approve_and_what_the_page_sees_of_it(client: RunningAp
     assert done["entry"]["action"] == "reject" and done["effect"]["moved"] > 0
     assert done["effect"]["chi2_after"] < done["effect"]["chi2_before"]
     assert done["effect"]["ate_after_m"] is not None
+    assert done["revision"] == before["revision"] + 1, "one change, for which the map is read anew once"
     assert states(client)["11-1"] == "rejected"
     assert "Rejected" in explanation(client, (11, 1)) and "engine had accepted it" in explanation(client, (11, 1))
     after = client.get(f"/api/maps/loops/graph?after={before['revision']}").json()

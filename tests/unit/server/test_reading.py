@@ -46,6 +46,7 @@ def test_info_counts_what_the_file_holds(client: RunningApp, maps_folder: Path) 
     found = get(client, "/api/maps/loops")
     stored = MapReader(maps_folder / "loops.db").info()
     assert (found["nodes"], found["links"]) == (stored.nodes, dict(stored.links))
+    assert found["refused"] == 1
     assert found["has_truth"] and found["writable"] and not found["live"]
     assert found["map_m"] == pytest.approx(found["odometry_m"], rel=0.2) and found["span_s"] > 0
     assert found["ate_m"] == pytest.approx(0.02, abs=0.02)
@@ -109,6 +110,14 @@ def test_images_are_as_stored_and_previews_are_small(client: RunningApp, maps_fo
     preview = client.get("/api/maps/loops/preview.jpg").content
     shown = cv2.imdecode(np.frombuffer(preview, np.uint8), cv2.IMREAD_COLOR)
     assert shown is not None and shown.shape == (240, 320, 3)
+
+
+@pytest.mark.parametrize(("path", "packed"), [("graph", "gzip"), ("nodes/3/image", None)])
+def test_lists_come_packed_to_who_can_unpack_them(client: RunningApp, path: str, packed: str | None) -> None:
+    able = client.get(f"/api/maps/loops/{path}", headers={"Accept-Encoding": "gzip"})
+    assert able.headers.get("content-encoding") == packed
+    plain = client.get(f"/api/maps/loops/{path}", headers={"Accept-Encoding": "identity"})
+    assert "content-encoding" not in plain.headers and plain.content == able.content
 
 
 def test_depth_is_coloured_and_transparent_where_unknown(client: RunningApp, maps_folder: Path) -> None:

@@ -34,22 +34,24 @@ def test_only_what_is_new_is_sent(viewer: Any, sent: Sent) -> None:
     assert sent.take() == [("update batched_positions", "/balls/1")]
     colours[0] = 255
     batch.draw(places, colours, BALL, 0.1, visible=False)
-    assert sent.take() == [
-        ("update batched_colors", "/balls/0"),
-        ("SetSceneNodeVisibility", "/balls/0"),
-        ("SetSceneNodeVisibility", "/balls/1"),
-    ]
-
-
-def test_a_batch_that_grows_makes_only_its_last_piece_anew(viewer: Any, sent: Sent) -> None:
-    batch, places = Batch(viewer.scene, "/balls", print), np.zeros((PIECE + 2, 3))
-    colours = np.tile(RED, (len(places), 1))
-    batch.draw(places[:-1], colours[:-1], BALL, 0.1)
-    sent.take()
+    hidden = sent.take()
+    assert hidden == [("SetSceneNodeVisibility", "/balls/0"), ("SetSceneNodeVisibility", "/balls/1")]
     batch.draw(places, colours, BALL, 0.1)
-    messages = sent.take()
-    assert ("BatchedMeshes", "/balls/1") in messages
-    assert all(name == "/balls/1" for _, name in messages)
+    assert sent.take() == [*hidden, ("update batched_colors", "/balls/0")]
+
+
+def test_a_batch_that_grows_or_shrinks_sends_only_the_instances_of_its_last_piece(viewer: Any, sent: Sent) -> None:
+    batch, places = Batch(viewer.scene, "/balls", print), np.arange(3.0 * (PIECE + 9)).reshape(-1, 3)
+    colours = np.tile(RED, (len(places), 1))
+    batch.draw(places[:-5], colours[:-5], BALL, 0.1)
+    for count in (PIECE + 9, PIECE + 2):
+        sent.take()
+        batch.draw(places[:count], colours[:count], BALL, 0.1)
+        properties = ("batched_wxyzs", "batched_positions", "batched_colors")
+        assert sent.take() == [(f"update {name}", "/balls/1") for name in properties]
+        piece = viewer.scene.get_handle_by_name("/balls/1")
+        assert len(piece.batched_wxyzs) == len(piece.batched_colors) == count - PIECE
+        np.testing.assert_array_equal(piece.batched_positions, places[PIECE:count])
     batch.draw(places[:0], colours[:0], BALL, 0.1)
     assert viewer.scene.get_handle_by_name("/balls/0") is None
 

@@ -51,7 +51,9 @@ def test_only_what_is_new_is_sent(viewer: Any, sent: Sent) -> None:
     lines.draw(chain(np.vstack([path, path[:1]])), GREY)
     assert sent.take() == [("update points", "/lines/2")]
     lines.draw(chain(path[:PIECE]), GREY, visible=False)
+    assert {kind for kind, _ in sent.take()} == {"SetSceneNodeVisibility"}
+    lines.draw(chain(path[:PIECE]), GREY)
     kinds = {kind for kind, name in sent.take() if name != "/lines/0"}
-    assert kinds == {"RemoveSceneNode"}
+    assert kinds == {"SetSceneNodeVisibility", "RemoveSceneNode"}
     lines.draw(chain(path[:1]), GREY)
     assert ("RemoveSceneNode", "/lines/0") in sent.take()

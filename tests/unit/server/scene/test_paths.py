@@ -48,4 +48,4 @@ def test_what_is_not_known_is_not_drawn(snapshot: Snapshot, viewer: Any) -> None
 def test_both_paths_are_switched_on_their_own(snapshot: Snapshot, viewer: Any) -> None:
     PathLayer(viewer.scene).draw(PlacedGraph.of(snapshot), 0.1, DARK, odometry=True, truth=False)
     assert viewer.scene.get_handle_by_name("/paths/odometry/0").visible
-    assert not viewer.scene.get_handle_by_name("/paths/truth/0").visible
+    assert viewer.scene.get_handle_by_name("/paths/truth/0") is None

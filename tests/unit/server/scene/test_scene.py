@@ -89,7 +89,7 @@ def watched(open_scene: Callable[[Path], Watched], room_map: Path) -> Watched:
 def test_a_view_shows_the_graph_the_clouds_and_the_newest_pose(watched: Watched) -> None:
     assert len(watched.handle("/graph/nodes/0").batched_positions) == NODES
     assert watched.handle("/paths/odometry/0").visible
-    assert not watched.handle("/paths/truth/0").visible
+    assert watched.handle("/paths/truth/0") is None
     np.testing.assert_allclose(watched.handle("/newest").position, true_pose(NODES)[:3, 3], atol=1e-6)
     until(lambda: watched.handle("/ground").position[2] == pytest.approx(-1.2, abs=0.1))
 

@@ -112,6 +112,13 @@ def test_every_answer_says_what_it_may_do(client: RunningApp, path: str) -> None
     assert "unsafe" not in policy and re.search(r"script-src 'self' 'sha256-[\w+/]{43}='", policy)
     assert answer.headers["x-content-type-options"] == "nosniff"
     assert answer.headers["referrer-policy"] == "no-referrer"
+    assert "document-isolation-policy" not in answer.headers
+
+
+def test_the_3d_view_and_the_document_around_it_are_together_and_apart_from_the_page(client: RunningApp) -> None:
+    apart = [client.get(path).headers["document-isolation-policy"] for path in ("/frame.html", "/viser/loops/")]
+    assert apart == ["isolate-and-require-corp"] * 2
+    assert "default-src 'none'" in client.get("/frame.html").headers["content-security-policy"]
 
 
 @pytest.mark.parametrize(
