@@ -13,11 +13,14 @@ from server.browse.exports import PoseFormat, WhichPoses, cloud_file, grid_archi
 from server.routes.access import ViewDep
 from slam.tools.cloud import RANGE_M, VOXEL_M
 
+#: How OpenAPI tells of a file.
+_BYTES = {"type": "string", "format": "binary"}
+
 router = APIRouter(prefix="/api/maps/{map}/export", tags=["export"])
 
 
 def _declared(media_type: str, what: str) -> dict[int | str, dict[str, Any]]:
-    return {200: {"content": {media_type: {}}, "description": what}}
+    return {200: {"content": {media_type: {"schema": _BYTES}}, "description": what}}
 
 
 @router.get("/poses", response_class=Response, responses=_declared("text/plain", "A text file."))
