@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slam.database import JournalEntry, LoopState, MapReader, MapWriter
-from slam.errors import DatabaseError
+from slam.database import Faults, JournalEntry, LoopState, MapReader, MapWriter, SettingChange
+from slam.errors import DamagedRowError, DatabaseError
 from slam.types import Link, LinkType
 from tests.unit.database.map_records import pose, write_map
 
@@ -144,3 +144,41 @@ def test_a_journal_of_an_earlier_version_is_read_and_gone_on_with(path: Path) ->
     with MapWriter.open(path) as writer:
         writer.append_decisions([entry("undo"), entry("redo")], poses={})
     assert [(e.action, e.batch) for e in MapReader(path).journal()] == [("approve", None), ("undo", 2), ("redo", 2)]
+
+
+def test_poses_before_the_last_decisions_are_kept_and_damage_is_named(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("slam.database.poses_before._KEPT", 2)
+    with MapWriter.open(path) as writer:
+        for k in range(4):
+            writer.append_decision(entry("approve"), poses={i: pose(i + k) for i in (1, 2, 3, 4)})
+    reader = MapReader(path)
+    assert [reader.poses_before(k) is None for k in (1, 2, 3, 4)] == [True] * 3 + [False], "3 did not leave these poses"
+    before = reader.poses_before(4)
+    assert before is not None
+    np.testing.assert_array_equal(before[2], pose(4).astype(np.float32))
+    with closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("SELECT id FROM deck_poses_before ORDER BY id").fetchall() == [(3,), (4,)]
+        connection.execute("UPDATE deck_poses_before SET poses = ids")
+        connection.commit()
+    with pytest.raises(DatabaseError, match="deck_poses_before has 4 ids and 4 numbers"):
+        reader.poses_before(4)
+
+
+def test_a_parameter_that_a_decision_changed_is_in_force_and_nonsense_is_named(path: Path) -> None:
+    change = SettingChange("Optimizer/PriorsIgnored", "true", "false")
+    with MapWriter.open(path) as writer:
+        writer.append_decision(entry("approve", setting=change), poses={})
+    reader = MapReader(path)
+    assert reader.journal()[0].setting == change
+    assert reader.parameters()[change.name] == "false"
+    assert [(one.name, one.value) for one in reader.parameter_changes()] == [(change.name, "false")]
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("UPDATE deck_setting_change SET before = 'maybe'")
+        connection.commit()
+    with pytest.raises(DamagedRowError, match="deck_setting_change"):
+        reader.journal()
+    faults: Faults = {}
+    assert [one.setting for one in reader.journal(faults)] == [None]
+    assert [fault.table for fault in faults] == ["deck_setting_change"]
