@@ -47,7 +47,7 @@ class Catalog:
             return known
         found = next((file for file in self.files() if file.id == map_id), None)
         if found is None:
-            raise UnknownMapError(f"no map is called {map_id!r} here; GET /api/maps lists those that are")
+            raise UnknownMapError(f"no map is called {map_id!r} here; Maps lists those that are")
         return found
 
     def new_path(self, name: str) -> Path:

@@ -44,6 +44,14 @@ def test_a_rejected_loop_is_linked_again_by_hand_detected_in_bulk_and_undone(own
     # Numbers begin where the map has both nodes.
     tool.get_by_role("button", name="Type").click()
     expect(tool.get_by_label("x (m)").first).not_to_have_value("0")
+    # Points are picked as large as the window, and stay when that closes.
+    tool.get_by_role("button", name="Points").click()
+    tool.get_by_role("button", name="Pick in large images").click()
+    for node_id in (from_id, to_id):
+        page.get_by_role("dialog").get_by_role("img", name=f"Pick points of node {node_id}").click()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_have_count(0)
+    expect(tool.locator("#points-asked")).to_contain_text("1 pair")
     tool.get_by_role("button", name="Match").click()
     page.locator("#link-preview").click()
     outcome = page.locator("#link-outcome")

@@ -15,8 +15,17 @@ export function saveShown(part, title) {
 /** Width / height of two ordinary images side by side. */
 const PAIR = 8 / 3;
 
-/** @param {{title: string, aspect?: number, close: () => void, children: import("../html.js").Children}} props aspect: of the picture, which has to fit the window */
-export function Lightbox({ title, aspect = PAIR, close, children }) {
+/**
+ * @typedef {object} LightboxProps
+ * @property {string} title
+ * @property {number} [aspect] of the picture, which has to fit the window
+ * @property {boolean} [savable]
+ * @property {() => void} close
+ * @property {import("../html.js").Children} children
+ */
+
+/** @param {LightboxProps} props */
+export function Lightbox({ title, aspect = PAIR, savable = true, close, children }) {
   const dialog = useRef(/** @type {HTMLDialogElement | null} */ (null));
   useEffect(() => dialog.current?.showModal(), []);
   return html`<dialog
@@ -27,7 +36,9 @@ export function Lightbox({ title, aspect = PAIR, close, children }) {
     onClick=${(/** @type {Event} */ event) => event.target === dialog.current && close()}
   >
     <header>
-      <b class="grow">${title}</b>${h(Button, { icon: "export", hint: "Save this picture as PNG", kind: "bare", onClick: () => saveShown(dialog.current, title) })}${h(Button, { icon: "close", hint: "Close (Esc)", onClick: close })}
+      <b class="grow">${title}</b>
+      ${savable && h(Button, { icon: "export", hint: "Save this picture as PNG", kind: "bare", onClick: () => saveShown(dialog.current, title) })}
+      ${h(Button, { icon: "close", hint: "Close (Esc)", onClick: close })}
     </header>
     <div class="lightbox-body" style=${{ "--aspect": aspect }}>${children}</div>
   </dialog>`;

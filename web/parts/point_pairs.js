@@ -1,9 +1,11 @@
 // Points picked by hand in two images: first in the left one, then the same point in the right one.
+import { useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import { address } from "../api.js";
 import * as text from "../format.js";
 import { Button } from "./button.js";
 import { useImage } from "./canvas.js";
+import { Lightbox } from "./lightbox.js";
 
 /** @typedef {number[]} Point x and y in pixels */
 /** @typedef {{left: Point, right: Point | null}} Picked */
@@ -14,7 +16,8 @@ export function PointPairs({ map, from, to, points, residuals, onChange }) {
   const left = (/** @type {Point} */ at) => open < 0 && onChange([...points, { left: at, right: null }]);
   const right = (/** @type {Point} */ at) => open >= 0 && onChange(points.map((one, k) => (k === open ? { ...one, right: at } : one)));
   const asked = open < 0 ? `Click a point in the image of node ${from}` : `Click the same point in the image of node ${to}`;
-  return html`<div>
+  const [large, setLarge] = useState(false);
+  const picking = html`<div>
     <p class="small quiet" id="points-asked">${asked}; ${text.plural(points.length - (open < 0 ? 0 : 1), "pair")}, at least 3, not on one line.</p>
     <div class="point-images">
       ${h(Side, { map, id: from, marks: points.map((one) => one.left), onPick: left })}
@@ -28,7 +31,10 @@ export function PointPairs({ map, from, to, points, residuals, onChange }) {
         </li>`,
       )}
     </ol>
+    ${!large && h(Button, { icon: "expand", label: "Pick in large images", onClick: () => setLarge(true) })}
   </div>`;
+  if (!large) return picking;
+  return h(Lightbox, { title: `The same points in nodes ${from} and ${to}`, savable: false, close: () => setLarge(false), children: picking });
 }
 
 /** @param {{map: string, id: number, marks: Point[], onPick: (at: Point) => void}} props */
