@@ -6,10 +6,12 @@ import os
 import threading
 from collections import OrderedDict
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from server.browse.edits import edit_result, wanted_covariances, wanted_edit, wanted_prior
 from server.browse.journal import decision_result
+from server.browse.loops import loops
 from server.browse.map_view import MapView
 from server.browse.parameters import parameter_set
 from server.catalog import Catalog
@@ -96,6 +98,14 @@ class Services:
             while len(self._views) > _OPEN_MAPS:
                 self._views.popitem(last=False)
             return view
+
+    def read_ahead(self) -> None:
+        """Work out the review queue of the map that was written last: it is the likeliest to be asked for."""
+        # A map that can't be read is none to work ahead for: whoever asks for it is told.
+        with suppress(SlamError, OSError):
+            newest = max(self.catalog.files(), key=lambda file: file.path.stat().st_mtime_ns, default=None)
+            if newest is not None:
+                loops(self.view(newest.id).snapshot())
 
     def is_writable(self, view: MapView) -> bool:
         """Whether people may decide about a map."""

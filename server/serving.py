@@ -22,25 +22,28 @@ _WILDCARDS = {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}
 
 
 class Serving(uvicorn.Server):
-    """uvicorn, which also says when it is ready."""
+    """uvicorn, which also says when it is ready, and works ahead then."""
 
-    def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
+    def __init__(
+        self, config: uvicorn.Config, on_ready: Callable[[], None], ahead: Callable[[], None] = lambda: None
+    ) -> None:
         super().__init__(config)
         self._on_ready = on_ready
+        self._ahead = ahead
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to listen, then call ``on_ready``."""
         await super().startup(sockets)
         if self.started:
             self._on_ready()
-            threading.Thread(target=_load_rest, name="load the 3D view", daemon=True).start()
+            threading.Thread(target=self._work_ahead, name="work ahead", daemon=True).start()
 
-
-def _load_rest() -> None:
-    """Load what the first 3D view takes, a second's work, while the browser is still on its way."""
-    import_module("server.scene.painter")
-    # What is loaded by now stays to the end: no collection has to walk through it each time a large map is read.
-    gc.freeze()
+    def _work_ahead(self) -> None:
+        """Do what the page asks first while the browser is still on its way: read a map, load the 3D view."""
+        # What is loaded by now stays to the end: no collection has to walk through it each time a large map is read.
+        gc.freeze()
+        self._ahead()
+        import_module("server.scene.painter")
 
 
 def bind(settings: Settings) -> socket.socket:
@@ -61,8 +64,13 @@ def bind(settings: Settings) -> socket.socket:
     return listening
 
 
-def serve(app: ASGIApp, listening: socket.socket, on_ready: Callable[[], None]) -> None:
-    """Serve until SIGINT or SIGTERM; maps that are open are closed before this returns."""
+def serve(
+    app: ASGIApp, listening: socket.socket, on_ready: Callable[[], None], ahead: Callable[[], None] = lambda: None
+) -> None:
+    """Serve until SIGINT or SIGTERM; maps that are open are closed before this returns.
+
+    ``ahead`` is done in a thread once it serves, before anybody asks for it.
+    """
     config = uvicorn.Config(
         app,
         log_level="warning",
@@ -76,7 +84,7 @@ def serve(app: ASGIApp, listening: socket.socket, on_ready: Callable[[], None]) 
     # that all is done.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: None)
-    Serving(config, on_ready).run(sockets=[listening])
+    Serving(config, on_ready, ahead).run(sockets=[listening])
 
 
 def link(settings: Settings, listening: socket.socket) -> str:

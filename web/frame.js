@@ -1,6 +1,7 @@
 // The document around viser. Both may be in another process than the page (Document-Isolation-Policy), so that the page
 // answers while a view draws: only messages go between them and the page.
 import { address } from "./api.js";
+import { pictureOf } from "./frame_picture.js";
 
 
 /** viser draws on a transparent canvas; its panels repeat what the page has, and its notices cover the layers. */
@@ -27,7 +28,9 @@ paint();
 document.body.append(view);
 
 addEventListener("message", ({ origin, source, data }) => {
-  if (origin !== location.origin || source !== parent || typeof data?.ground !== "string") return;
+  if (origin !== location.origin || source !== parent) return;
+  if (typeof data?.picture === "string") void pictureOf(view, data.picture).then((picture) => parent.postMessage({ picture }, location.origin));
+  if (typeof data?.ground !== "string") return;
   ground = data.ground;
   paint();
 });

@@ -66,6 +66,9 @@ export function startMoment() {
 
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let growing;
+/** The answer that is on its way, and the state of the graph for which it was asked. */
+let loading = Promise.resolve();
+let loaded = "";
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let settling;
 /** @type {ReturnType<typeof setInterval> | undefined} */
@@ -76,20 +79,29 @@ function forget() {
   asked = undefined;
   timeline.value = null;
   timelineError.value = null;
-  void load();
+  loading = load();
 }
 
 /** A map that grows is asked for its updates now and then, a large one more rarely. */
 function follow() {
-  growing ??= setTimeout(() => {
+  growing ??= setTimeout(async () => {
+    await loading;
     growing = undefined;
-    void load();
+    const known = timeline.value;
+    if (known && loaded === graphState() && known.ids.at(-1) === columns.value?.ids.at(-1)) return;
+    loading = load();
   }, Math.max(GROWTH_MS, timeline.value?.ids.length ?? 0));
+}
+
+/** What a timeline was made of, but for new updates. */
+function graphState() {
+  return `${openings.value} ${graphRevision.value}`;
 }
 
 export async function load() {
   const map = openMapId.value;
   if (!map) return;
+  loaded = graphState();
   try {
     const found = await get("/api/maps/{map}/timeline", { path: { map } });
     if (map === openMapId.value) [timeline.value, timelineError.value] = [found, null];

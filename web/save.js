@@ -28,29 +28,32 @@ export function csv(columns) {
 
 /** Pictures beside each other in one PNG, each in its own size. @param {HTMLCanvasElement[]} pictures @param {string} name of the file */
 export function savePictures(pictures, name) {
-  const canvas = document.createElement("canvas");
-  canvas.width = pictures.reduce((sum, { width }) => sum + width, 0);
-  canvas.height = Math.max(...pictures.map(({ height }) => height));
-  const ctx = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  const width = pictures.reduce((sum, one) => sum + one.width, 0);
+  const canvas = new OffscreenCanvas(width, Math.max(...pictures.map(({ height }) => height)));
+  const ctx = /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext("2d"));
   let left = 0;
   for (const picture of pictures) {
     ctx.drawImage(picture, left, 0);
     left += picture.width;
   }
-  canvas.toBlob((blob) => blob && save(blob, name), "image/png");
+  void saveDrawn(canvas, name);
 }
 
 /** What a chart shows, on the page's ground with its title. @param {HTMLCanvasElement} chart @param {string} title @param {string} name */
 export function savePicture(chart, title, name) {
   const scale = devicePixelRatio;
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [chart.width, chart.height + TITLE_PX * scale];
-  const ctx = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  const canvas = new OffscreenCanvas(chart.width, chart.height + TITLE_PX * scale);
+  const ctx = /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext("2d"));
   ctx.fillStyle = color("panel");
   ctx.fillRect(0, 0, canvas.width, canvas.height);
   ctx.fillStyle = color("ink");
   ctx.font = `600 ${13 * scale}px system-ui, "DejaVu Sans", sans-serif`;
   ctx.fillText(title, 10 * scale, 18 * scale);
   ctx.drawImage(chart, 0, TITLE_PX * scale);
-  canvas.toBlob((blob) => blob && save(blob, name), "image/png");
+  void saveDrawn(canvas, name);
+}
+
+/** Other than toBlob() this does not wait for a moment in which a browser has nothing to draw. @param {OffscreenCanvas} canvas @param {string} name */
+async function saveDrawn(canvas, name) {
+  save(await canvas.convertToBlob({ type: "image/png" }), name);
 }

@@ -13,6 +13,7 @@ from server.errors import SettingsError
 
 if TYPE_CHECKING:
     from server.app import FirstRun
+    from server.services import Services
     from server.settings import Settings
 
 
@@ -74,4 +75,7 @@ def serve_maps(settings: Settings, first_run: FirstRun | None = None, note: str 
             typer.echo(note, err=True)
         typer.echo(address)
 
-    serve_app(create_app(settings, web, first_run), listening, ready)
+    app = create_app(settings, web, first_run)
+    services: Services = app.state.services
+    # A run makes the map that is looked at first.
+    serve_app(app, listening, ready, services.read_ahead if first_run is None else lambda: None)

@@ -133,7 +133,8 @@ def test_statistics_are_saved_as_a_table_and_as_a_picture(library: Served, open_
 def test_the_map_is_saved_for_other_tools(library: Served, open_page: OpenPage) -> None:
     page = open_page(library, "#/map/flat/nodes/7")
     expect(page.get_by_role("img", name="Depth image of node 7")).to_be_visible()
-    until(page, "() => [...document.querySelectorAll('.pictures canvas')].every((one) => one.width > 100)")
+    for kind in ("Colour", "Depth"):
+        expect(page.get_by_role("img", name=f"{kind} image of node 7")).to_have_attribute("aria-busy", "false")
     with page.expect_download() as pictures:
         page.get_by_role("button", name="Save both pictures as PNG").click()
     assert pictures.value.suggested_filename == "flat-node-7.png"

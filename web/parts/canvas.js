@@ -26,7 +26,8 @@ export function pictureOf(canvas) {
 }
 
 /** @param {CanvasProps} props */
-export function Canvas({ label, aspect, draw, dependencies, pixels, onPoint }) {
+export function Canvas(props) {
+  const { label, aspect, draw, dependencies, pixels, onPoint } = props;
   const canvas = useRef(/** @type {HTMLCanvasElement | null} */ (null));
   const width = useWidth(canvas);
   useEffect(() => {
@@ -40,7 +41,8 @@ export function Canvas({ label, aspect, draw, dependencies, pixels, onPoint }) {
     });
   }, [width, aspect, pixels, ...dependencies]);
   const moved = onPoint && ((/** @type {PointerEvent} */ event) => onPoint(placeOf(event)));
-  return html`<canvas ref=${canvas} role="img" aria-label=${label} onPointerMove=${moved} onPointerLeave=${onPoint && (() => onPoint(null))}></canvas>`;
+  const busy = "pixels" in props && !pixels;
+  return html`<canvas ref=${canvas} role="img" aria-label=${label} aria-busy=${busy} onPointerMove=${moved} onPointerLeave=${onPoint && (() => onPoint(null))}></canvas>`;
 }
 
 /** @param {PointerEvent} event @returns {Place} */

@@ -12,6 +12,9 @@ import { useChanged, useFetched } from "./use.js";
 const OWN = ["memory", "session", "time", "weight"];
 const WORDS = /** @type {Record<string, string>} */ ({ residual: "worst residual", altitude: "GPS altitude" });
 
+/** Names for a menu: what the page shows at once is asked for before. */
+const LATER_MS = 1500;
+
 /** The scale of what is shown, null for the graph's own. @type {import("@preact/signals").Signal<NodeValues | null>} */
 export const shownScale = signal(null);
 
@@ -19,7 +22,10 @@ export const shownScale = signal(null);
 export function Colouring({ map }) {
   const now = scene.value;
   const colour = now?.colour ?? OWN[0];
-  const { data } = useFetched((signal) => get("/api/maps/{map}/node-values", { path: { map }, signal }), [map]);
+  const { data } = useFetched(async (signal) => {
+    await waited(LATER_MS);
+    return get("/api/maps/{map}/node-values", { path: { map }, signal });
+  }, [map]);
   const scale = useFetched(
     (signal) => (OWN.includes(colour) ? null : get("/api/maps/{map}/node-values/{name}", { path: { map, name: colour }, signal })),
     [map, colour],
@@ -39,6 +45,11 @@ export function Colouring({ map }) {
       ${group("stat:").length > 0 && html`<optgroup label="Statistics">${group("stat:").map(option)}</optgroup>`}
     </select>
   </label>`;
+}
+
+/** @param {number} ms @returns {Promise<void>} */
+function waited(ms) {
+  return new Promise((done) => void setTimeout(done, ms));
 }
 
 /** @param {string} name */

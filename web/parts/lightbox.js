@@ -1,6 +1,7 @@
 // The same picture, as large as the window.
 import { useEffect, useRef } from "preact/hooks";
 import { h, html } from "../html.js";
+import { say } from "../actions.js";
 import { openMapId } from "../router.js";
 import { savePictures } from "../save.js";
 import { Button } from "./button.js";
@@ -8,8 +9,9 @@ import { pictureOf } from "./canvas.js";
 
 /** Save the pictures in a part of the page, beside each other. @param {HTMLElement | null} part @param {string} title */
 export function saveShown(part, title) {
-  const pictures = [...(part?.querySelectorAll("canvas") ?? [])].map(pictureOf);
-  if (pictures.length) savePictures(pictures, `${openMapId.value} ${title}.png`);
+  const shown = [...(part?.querySelectorAll("canvas") ?? [])];
+  if (!shown.length || shown.some((one) => one.ariaBusy === "true")) return say("The pictures are still on their way; save them when they show.");
+  savePictures(shown.map(pictureOf), `${openMapId.value} ${title}.png`);
 }
 
 /** Width / height of two ordinary images side by side. */
