@@ -122,7 +122,8 @@ def test_a_click_on_a_loop_link_opens_its_evidence(viewed: Served, open_page: Op
 def test_what_is_chosen_in_a_table_is_marked_in_3d(viewed: Served, open_page: OpenPage) -> None:
     page = open_page(viewed, "#/map/flat/nodes", in_3d=True)
     without_cloud(page)
-    before = wait_for_picture(page, DARK.wm)
+    # Not one with the last of the cloud.
+    before = wait_until(page, lambda now: near(now, DARK.wm).sum() > 30 and colours(now) < 10_000, "the graph alone")
     page.get_by_role("row").nth(4).click()
     # What an earlier test selected may have been marked, and larger than a node.
     marked = near(before, DARK.selected)
