@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ from slam.maps.local_grid import yaw
 
 if TYPE_CHECKING:
     from viser import GlbHandle, ImageHandle, PointCloudHandle, SceneApi
+
+T = TypeVar("T")
 
 _LOG = logging.getLogger(__name__)
 #: Above the floor, so that the map's own grid does not flicker through.
@@ -84,13 +86,8 @@ class CloseUpLayer:
                 handle.visible = part in parts
 
     def _send(self, part: NodePart, make_points: Callable[[], DetailPoints]) -> PointCloudHandle | None:
-        try:
-            found = make_points()
-        except SlamError as error:
-            # The inspector says what is missing or damaged; the other parts are shown.
-            _LOG.info("no %s close up: %s", part, error)
-            return None
-        if not len(found.points):
+        found = _made(part, make_points)
+        if found is None or not len(found.points):
             return None
         return self._scene.add_point_cloud(
             f"/closeup/{part}",
@@ -116,10 +113,8 @@ class CloseUpLayer:
                 handle.visible = part in parts
 
     def _send_surface(self, part: NodePart, make_surface: Callable[[], Surface]) -> GlbHandle | None:
-        try:
-            found = make_surface()
-        except SlamError as error:
-            _LOG.info("no %s close up: %s", part, error)
+        found = _made(part, make_surface)
+        if found is None:
             return None
         glb = as_matt_glb(as_trimesh(found))
         return self._scene.add_glb(f"/closeup/{part}", glb, cast_shadow=False, receive_shadow=False)
@@ -135,11 +130,7 @@ class CloseUpLayer:
         self._grid.visible = visible
 
     def _send_grid(self, reader: MapReader, node: int) -> ImageHandle | None:
-        try:
-            grid = reader.local_grid(node)
-        except SlamError as error:
-            _LOG.info("no local grid close up: %s", error)
-            return None
+        grid = _made("local grid", lambda: reader.local_grid(node))
         if grid is None or not cell_count(grid):
             return None
         pixels, side = grid_pixels(grid), 2.0 * grid_reach(grid)
@@ -155,6 +146,15 @@ class CloseUpLayer:
         self._points.clear()
         self._surfaces.clear()
         self._grid, self._tried_grid = None, False
+
+
+def _made(part: str, make_part: Callable[[], T]) -> T | None:
+    """What there is of a part; the inspector says what is missing or damaged, the other parts are shown."""
+    try:
+        return make_part()
+    except SlamError as error:
+        _LOG.info("no %s close up: %s", part, error)
+        return None
 
 
 def _levelled(T_map_base: Pose) -> NDArray[np.float64]:
