@@ -69,6 +69,11 @@ class MapReader(DeckReader):
         with self._reading("reading the nodes") as connection:
             return data_rows.read_ids_with(connection, _KINDS[kind])
 
+    def nodes_with_grid(self) -> NDArray[np.int32]:
+        """Ascending ids of the nodes that have a local grid."""
+        with self._reading("reading the nodes") as connection:
+            return data_rows.read_ids_with_grid(connection)
+
     def first_node_with(self, kind: Literal["image", "depth", "calibration"]) -> int | None:
         """The smallest id of a node that has data of a kind; None when there is none."""
         with self._reading("reading the nodes") as connection:
