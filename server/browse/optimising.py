@@ -11,7 +11,8 @@ import numpy as np
 
 from server.browse.snapshot import Snapshot
 from server.errors import NotFoundError
-from server.schemas import GraphState, OptimiseAsk, Optimised
+from server.schemas import GraphState, KeepPoses, OptimiseAsk, Optimised, TurnMap
+from slam.edit.wishes import Optimisation, Turn
 from slam.evaluate import align
 from slam.geometry import Array, Pose
 from slam.graph.course import Course as Solution
@@ -73,6 +74,16 @@ def wanted_manner(ask: OptimiseAsk) -> Manner:
             raise NotFoundError(f"{name!r} is no kind of link: {', '.join(kinds)} are")
     without = tuple(sorted({kinds[name] for name in ask.without}))
     return Manner(root=ask.root, without=without, solver=ask.solver, kernel=ask.kernel, start=ask.start)
+
+
+def wanted_optimisation(body: KeepPoses, author: str) -> Optimisation:
+    """What the engine is asked for; raises NotFoundError where there is no such kind of link."""
+    return Optimisation(manner=wanted_manner(body.ask), step=body.step, author=author)
+
+
+def wanted_turn(body: TurnMap, author: str) -> Turn:
+    """What the engine is asked for."""
+    return Turn(yaw_rad=float(np.radians(body.yaw_deg)), to=body.to, author=author)
 
 
 def _course(snapshot: Snapshot, ask: OptimiseAsk) -> Course:
