@@ -101,6 +101,7 @@ def _answer(
         author=author,
         link_before=before,
         link_after=after,
+        note="" if placement is None else decision.note,
         undoes=undoes,
         node=node if node is None or action == "redo" else node.reversed(),
         setting=setting if setting is None or action == "redo" else setting.reversed(),

@@ -20,7 +20,7 @@ from server.browse.statistics import values_at
 from server.errors import NotFoundError
 from server.schemas import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow, PixelDepth
 from slam.camera import Camera
-from slam.database import Fault, Faults, NodeTable
+from slam.database import Fault, Faults, JournalEntry, NodeTable
 from slam.errors import DamagedRowError, DatabaseError
 from slam.geometry import inverse, transform, translation_norm
 from slam.types import Link, Tier
@@ -93,7 +93,7 @@ def detail(view: MapView, node_id: int) -> NodeDetail:
         has_image=node.image_bytes > 0,
         has_depth=node.depth_bytes > 0 and not right,
         has_right=node.depth_bytes > 0 and right,
-        decisions=[journal_entry(entry) for entry in snapshot.journal if node_id in entry.pair],
+        decisions=[journal_entry(entry) for entry in snapshot.journal if _decides_about(entry, node_id)],
         faults=row_faults(faults),
     )
 
@@ -223,3 +223,7 @@ def _depths(
         here = tiles == tile
         depths[here] = transform(inverse(camera.T_base_cam), points_base[here])[:, 2]
     return depths
+
+
+def _decides_about(entry: JournalEntry, node_id: int) -> bool:
+    return node_id in entry.pair and entry.placement is None

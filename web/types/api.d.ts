@@ -1738,6 +1738,11 @@ export interface components {
             /** Note */
             note: string;
             /**
+             * Of Map
+             * @description Whether it is about the poses of the whole map, and not about a link or a node.
+             */
+            of_map: boolean;
+            /**
              * Time
              * @description Unix seconds.
              */
