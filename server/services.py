@@ -72,10 +72,9 @@ from slam.tools.parameters import taken
 
 _OPEN_MAPS = 8
 _PRIORS_IGNORED = "Optimizer/PriorsIgnored is on: the prior is stored, and moves no pose until that is switched off"
-
 _NOT_FOR_GOOD = (
-    "χ² here is that of all links, also of those that were left out. A later decision, or mapping on, optimises the graph anew by the map's parameters with all its links, and may"
-    " move the poses again"
+    "χ² here is that of all links, also of those that were left out. A later decision, or mapping on, optimises the"
+    " graph anew by the map's parameters with all its links, and may move the poses again"
 )
 
 

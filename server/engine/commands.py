@@ -172,7 +172,8 @@ class CancelJob:
     number: int
 
 
-Edit = EditLink | DropNodes | LabelNodes | EditPrior | EditCovariances | KeepPoses | TurnMap
+Change = DropNodes | LabelNodes | EditPrior | EditCovariances | KeepPoses | TurnMap
+Edit = EditLink | Change
 Command = Pause | Resume | Step | Stop | SetParams | Decide | Edit | StartJob | CancelJob
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from server.engine.commands import (
+    Change,
     DropNodes,
     Edit,
     EditCovariances,
     EditLink,
     EditPrior,
     KeepPoses,
-    LabelNodes,
     StartJob,
     TurnMap,
 )
@@ -43,11 +43,13 @@ class Edits:
         """
         if isinstance(command, EditLink):
             return self._links.preview(command.edit) if command.preview else self._links.carry_out(command.edit)
+        return self.change(command)
+
+    def change(self, command: Change) -> Effect:
+        """The same for all but links by hand."""
         return self._review.change(self._entries(command), preview=command.preview)
 
-    def _entries(
-        self, command: DropNodes | LabelNodes | EditPrior | EditCovariances | KeepPoses | TurnMap
-    ) -> list[JournalEntry]:
+    def _entries(self, command: Change) -> list[JournalEntry]:
         graph, params, reader = self._review.graph, self._review.params, self._reader
         if isinstance(command, KeepPoses):
             return [optimising(graph, params, command.wanted)]
