@@ -13,6 +13,7 @@ from server.browse.edits import edit_result, wanted_covariances, wanted_edit, wa
 from server.browse.journal import decision_result
 from server.browse.loops import loops
 from server.browse.map_view import MapView
+from server.browse.optimising import wanted_optimisation, wanted_turn
 from server.browse.parameters import parameter_set
 from server.catalog import Catalog
 from server.editors import Editors
@@ -24,9 +25,11 @@ from server.engine.commands import (
     EditCovariances,
     EditLink,
     EditPrior,
+    KeepPoses,
     LabelNodes,
     RunJob,
     SetParams,
+    TurnMap,
 )
 from server.engine.events import Ended, Event, GraphChanged, GridChanged, JobTold, Moved, NodeAdded
 from server.errors import EngineError, NotFoundError
@@ -54,6 +57,8 @@ from server.schemas import (
     TakenOver,
     Trial,
 )
+from server.schemas import KeepPoses as KeepPosesBody
+from server.schemas import TurnMap as TurnMapBody
 from server.session import RunSession
 from server.settings import Settings
 from server.trials import TrialRunner
@@ -67,6 +72,10 @@ from slam.tools.parameters import taken
 
 _OPEN_MAPS = 8
 _PRIORS_IGNORED = "Optimizer/PriorsIgnored is on: the prior is stored, and moves no pose until that is switched off"
+_NOT_FOR_GOOD = (
+    "χ² here is that of all links, also of those that were left out. A later decision, or mapping on, optimises the"
+    " graph anew by the map's parameters with all its links, and may move the poses again"
+)
 
 
 class Services:
@@ -173,6 +182,16 @@ class Services:
     async def edit_covariances(self, view: MapView, edit: Covariances) -> DecisionResult:
         """Give many links other covariances, or say what that would do."""
         command = EditCovariances(wanted_covariances(edit, _author(edit.author)), edit.preview)
+        return self._decided(view, await self._ask(view, command))
+
+    async def keep_poses(self, view: MapView, body: KeepPosesBody) -> DecisionResult:
+        """Make the poses of an optimisation those of the map, or say what that would do."""
+        command = KeepPoses(wanted_optimisation(body, _author(body.author)), body.preview)
+        return self._decided(view, await self._ask(view, command), _NOT_FOR_GOOD)
+
+    async def turn_map(self, view: MapView, body: TurnMapBody) -> DecisionResult:
+        """Turn the whole map as it is, or say what that would do."""
+        command = TurnMap(wanted_turn(body, _author(body.author)), body.preview)
         return self._decided(view, await self._ask(view, command))
 
     async def start_job(self, view: MapView, body: StartJob) -> Job:

@@ -13,13 +13,14 @@ import numpy as np
 from slam.database.records import JournalEntry
 from slam.errors import DecisionError, OptimizationError
 from slam.geometry import Pose
+from slam.graph.course import placed
 from slam.graph.exchange import GraphNode, exchanged
 from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import chi2
 from slam.graph.shift import Shift, Snapshot
 from slam.history import History, Step
 from slam.params import Params
-from slam.types import Candidate, Link, LinkType
+from slam.types import Candidate, Link, LinkType, Placement
 from slam.verdicts import Rows, Verdict, approval, ordered, redoing, rejection, undoing
 
 #: Poses (id -> T_map_base) -> absolute trajectory error in metres, None without ground truth.
@@ -254,11 +255,16 @@ class Review:
                 f"{entries[0].action} {_named(entries)} would move nodes in or out of the map, which the engine that"
                 " makes it holds in its memory: stop the run first"
             )
+        if self._nodes_stay and _placement(entries) is not None:
+            raise DecisionError(
+                f"{entries[0].action} {_named(entries)} would not last: the engine that makes the map optimises it anew"
+                " with the next loop. Stop the run first"
+            )
         poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
         known, params = self._there(steps, entries), self._params_of(entries)
         was = self._chi2(), self._ate_at(poses)
         try:
-            with self._change(entries, params, known, keep=not preview) as separated:
+            with self._change(entries, params, known or self._placed(entries, params), keep=not preview) as separated:
                 now = was if self.graph.poses is poses else (self._chi2(), self._ate_at(self.graph.poses))
                 effect = _effect(was, now, Shift.between(poses, self.graph.poses), separated, refused, preview=preview)
                 entries = [_with_effect(entry, effect) for entry in entries]
@@ -288,6 +294,11 @@ class Review:
             return None
         return Snapshot.of({i: stored[i] for i in ids})
 
+    def _placed(self, entries: Sequence[JournalEntry], params: Params) -> Snapshot | None:
+        """The poses that a placement leads to; None where the entries are none."""
+        placement = _placement(entries)
+        return None if placement is None else Snapshot.of(placed(self.graph, params, placement))
+
     def _params_of(self, entries: Sequence[JournalEntry]) -> Params:
         """The parameters that hold once these entries are carried out."""
         changes = {entry.setting.name: entry.setting.after for entry in entries if entry.setting is not None}
@@ -297,7 +308,7 @@ class Review:
         self, entries: Sequence[JournalEntry], params: Params, there: Snapshot | None, *, keep: bool
     ) -> AbstractContextManager[int]:
         (add, remove), (restore, drop) = _links(entries), _nodes(entries)
-        if not (add or remove or restore or drop):
+        if not (add or remove or restore or drop or _placement(entries)):
             return nullcontext(0)
         return exchanged(
             self.graph,
@@ -315,7 +326,7 @@ class Review:
     def _write(self, entries: Sequence[JournalEntry], candidates: Sequence[Candidate]) -> list[JournalEntry]:
         (add, remove), (restore, drop) = _links(entries), _nodes(entries)
         gone = [(link.from_id, link.to_id) for link in remove]
-        poses = self.graph.poses if add or remove or restore or drop else {}
+        poses = self.graph.poses if add or remove or restore or drop or _placement(entries) else {}
         numbers = self._writer.append_decisions(entries, add=add, remove=gone, poses=poses, candidates=candidates)
         batch = numbers[0] if len(numbers) > 1 else None
         return [replace(entry, id=k, batch=batch) for entry, k in zip(entries, numbers, strict=True)]
@@ -374,7 +385,14 @@ def _nodes(entries: Sequence[JournalEntry]) -> tuple[list[GraphNode], list[int]]
     return restore, [n.node_id for n in changes if n.drops]
 
 
+def _placement(entries: Sequence[JournalEntry]) -> Placement | None:
+    """What these entries do to all poses; such a decision is made alone."""
+    return next((entry.placement for entry in entries if entry.placement is not None), None)
+
+
 def _named(entries: Sequence[JournalEntry]) -> str:
+    if _placement(entries) is not None:
+        return "the map"
     named = [f"{e.from_id}->{e.to_id}" if e.from_id != e.to_id else f"node {e.from_id}" for e in entries[:_NAMED]]
     return ", ".join([*named, f"and {len(entries) - _NAMED} more"] if len(entries) > _NAMED else named)
 

@@ -114,7 +114,7 @@ export function decisionAsk(decision) {
 }
 
 /**
- * An edit of many nodes or links, or of a prior.
+ * An edit of many nodes or links, of a prior, or of all poses.
  * @param {(path: {map: string}, body: {author: string, preview: boolean}, signal?: AbortSignal) => Promise<Schemas["DecisionResult"]>} send
  * @returns {Ask}
  */
@@ -137,6 +137,12 @@ export const covarianceAsk = (wanted) => editAsk((path, body, signal) => post("/
 
 /** A node's prior; null takes it away. @param {number} id @param {{transform: number[] | null, sigmas: number[] | null, count: boolean}} prior */
 export const priorAsk = (id, prior) => editAsk(({ map }, body, signal) => post("/api/maps/{map}/nodes/{node_id}/prior", { path: { map, node_id: id }, body: { ...prior, ...body }, signal }));
+
+/** Make the poses of an optimisation those of the map. @param {Omit<Schemas["KeepPoses"], "author" | "preview">} wanted */
+export const keepAsk = (wanted) => editAsk((path, body, signal) => post("/api/maps/{map}/poses/optimise", { path, body: { ...wanted, ...body }, signal }));
+
+/** Turn the whole map as it is. @param {Omit<Schemas["TurnMap"], "author" | "preview">} wanted */
+export const turnAsk = (wanted) => editAsk((path, body, signal) => post("/api/maps/{map}/poses/turn", { path, body: { ...wanted, ...body }, signal }));
 
 /**
  * A decision that has its own place; its answer is the last decision then.

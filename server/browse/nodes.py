@@ -20,7 +20,7 @@ from server.browse.statistics import values_at
 from server.errors import NotFoundError
 from server.schemas import CameraModel, NodeDetail, NodeFeatures, NodeLink, NodePage, NodeRow, PixelDepth
 from slam.camera import Camera
-from slam.database import Fault, Faults, NodeTable
+from slam.database import Fault, Faults, JournalEntry, NodeTable
 from slam.errors import DamagedRowError, DatabaseError
 from slam.geometry import inverse, transform, translation_norm
 from slam.types import Link, Tier
@@ -94,7 +94,7 @@ def detail(view: MapView, node_id: int) -> NodeDetail:
         has_depth=node.depth_bytes > 0 and not right,
         has_right=node.depth_bytes > 0 and right,
         has_confidence=view.reader.has_confidence(node_id),
-        decisions=[journal_entry(entry) for entry in snapshot.journal if node_id in entry.pair],
+        decisions=[journal_entry(entry) for entry in snapshot.journal if _decides_about(entry, node_id)],
         faults=row_faults(faults),
     )
 
@@ -224,3 +224,7 @@ def _depths(
         here = tiles == tile
         depths[here] = transform(inverse(camera.T_base_cam), points_base[here])[:, 2]
     return depths
+
+
+def _decides_about(entry: JournalEntry, node_id: int) -> bool:
+    return node_id in entry.pair and entry.placement is None

@@ -11,21 +11,19 @@ import numpy as np
 
 from server.browse.snapshot import Snapshot
 from server.errors import NotFoundError
-from server.schemas import GraphState, OptimiseAsk, Optimised
+from server.schemas import GraphState, KeepPoses, OptimiseAsk, Optimised, TurnMap
+from slam.edit.wishes import Optimisation, Turn
 from slam.evaluate import align
 from slam.geometry import Array, Pose
-from slam.graph.completion import chained
-from slam.graph.graph import PoseGraph
-from slam.graph.optimizer import choose_root, optimize
+from slam.graph.course import Course as Solution
+from slam.graph.course import course
+from slam.graph.optimizer import optimize
 from slam.graph.problem import Problem
 from slam.graph.shift import Shift
-from slam.params import Params
-from slam.types import LinkType
+from slam.types import LinkType, Manner
 
 #: Results that a slider may come back to.
 _KEPT = 4
-#: Steps that are kept of an optimisation, the last of them.
-_MOST_STEPS = 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +52,7 @@ class Optimisations:
         """What comes of it; the same question is answered once.
 
         Raises:
-            NotFoundError: the map has no such root.
+            NotFoundError: the map has no such root, or there is no such kind of link.
             OptimizationError: there is nothing to optimise, or no way down.
         """
         key = (snapshot.revision, ask.model_dump_json())
@@ -68,33 +66,41 @@ class Optimisations:
             return found
 
 
+def wanted_manner(ask: OptimiseAsk) -> Manner:
+    """What the engine is asked for; raises NotFoundError where there is no such kind of link."""
+    kinds = {kind.label: kind for kind in LinkType}
+    for name in ask.without:
+        if name not in kinds:
+            raise NotFoundError(f"{name!r} is no kind of link: {', '.join(kinds)} are")
+    without = tuple(sorted({kinds[name] for name in ask.without}))
+    return Manner(root=ask.root, without=without, solver=ask.solver, kernel=ask.kernel, start=ask.start)
+
+
+def wanted_optimisation(body: KeepPoses, author: str) -> Optimisation:
+    """What the engine is asked for; raises NotFoundError where there is no such kind of link."""
+    return Optimisation(manner=wanted_manner(body.ask), step=body.step, author=author)
+
+
+def wanted_turn(body: TurnMap, author: str) -> Turn:
+    """What the engine is asked for."""
+    return Turn(yaw_rad=float(np.radians(body.yaw_deg)), to=body.to, author=author)
+
+
 def _course(snapshot: Snapshot, ask: OptimiseAsk) -> Course:
-    graph, params = _graph(snapshot, ask), _params(snapshot.params, ask)
-    if ask.root is not None and ask.root not in graph:
+    if ask.root is not None and ask.root not in snapshot.graph:
         raise NotFoundError(f"the map has no node {ask.root} to hold fixed")
-    root = choose_root(graph, params, graph.newest) if ask.root is None else ask.root
-    now = dict(graph.poses)
-    if ask.start == "odometry":
-        # From where the root is in the map, so that both graphs lie over each other.
-        start = chained(graph, root)
-        T = now[root] @ np.linalg.inv(start[root])
-        graph.poses |= {i: T @ pose for i, pose in start.items()}
-    seen: list[tuple[dict[int, Pose], float]] = []
-    solved = optimize(graph, params, root=root, watch=lambda poses, cost: seen.append((poses, cost)))
-    problem = Problem.of(graph, root, params)
+    now = snapshot.graph.poses
+    done = course(snapshot.graph, snapshot.params, wanted_manner(ask))
+    solved, problem = done.solved, Problem.of(done.graph, done.root, done.params)
     ids = list(problem.ids)
-    steps = [(dict(graph.poses), solved.chi2_before), *seen[-_MOST_STEPS:]]
-    # Solvers that nobody can watch, and what a second one found.
-    if len(steps) == 1 or steps[-1][1] != solved.chi2_after:
-        steps.append((solved.poses, solved.chi2_after))
-    paths = [_path(snapshot, poses, ids, aligned=ask.align) for poses, _ in steps]
+    paths = [_path(snapshot, poses, ids, aligned=ask.align) for poses, _ in done.steps]
     told = Optimised(
-        root=root,
+        root=done.root,
         nodes=len(ids),
         links=len(problem.measurements),
         dropped=len(solved.dropped),
-        now=_state(snapshot, graph, now, _cost(graph, params, root, now), ids),
-        steps=[_state(snapshot, graph, poses, cost, ids) for poses, cost in steps],
+        now=_state(snapshot, done, now, _cost(done, now), ids),
+        steps=[_state(snapshot, done, poses, cost, ids) for poses, cost in done.steps],
         seconds=round(solved.seconds, 4),
         max_shift_m=Shift.between({i: now[i] for i in ids}, {i: solved.poses[i] for i in ids}).max_m,
         outliers=[[b, a] for a, b in solved.outliers],
@@ -103,42 +109,20 @@ def _course(snapshot: Snapshot, ask: OptimiseAsk) -> Course:
     return Course(told, ids, paths)
 
 
-def _graph(snapshot: Snapshot, ask: OptimiseAsk) -> PoseGraph:
-    graph, left_out = snapshot.graph.copy(), set(ask.without)
-    for pair in [pair for pair, link in graph.links.items() if link.type.label in left_out]:
-        graph.remove_link(pair)
-    for key in [key for key in graph.constraints if key[2].label in left_out]:
-        del graph.constraints[key]
-    return graph
-
-
-def _params(params: Params, ask: OptimiseAsk) -> Params:
-    changes: dict[str, bool | int | str] = {"GTSAM/Incremental": False}
-    if ask.solver is not None:
-        changes["GTSAM/Optimizer"] = ask.solver
-    if ask.kernel is not None:
-        changes["Optimizer/Robust"] = ask.kernel != "none"
-    if ask.kernel not in (None, "none"):
-        changes["Optimizer/RobustKernel"] = str(ask.kernel)
-    if LinkType.LANDMARK.label in ask.without:
-        changes["Optimizer/LandmarksIgnored"] = True
-    return params.changed(changes)
-
-
-def _cost(graph: PoseGraph, params: Params, root: int, poses: dict[int, Pose]) -> float:
+def _cost(done: Solution, poses: Mapping[int, Pose]) -> float:
     """What the same links cost at other poses: a solver that may not take a step tells that."""
-    other = graph.copy()
+    other = done.graph.copy()
     other.poses = dict(poses)
-    first = optimize(other, params.changed({"Optimizer/Iterations": 1, "GTSAM/Optimizer": 0}), root=root)
-    return first.chi2_before
+    params = done.params.changed({"Optimizer/Iterations": 1, "GTSAM/Optimizer": 0})
+    return optimize(other, params, root=done.root).chi2_before
 
 
-def _state(snapshot: Snapshot, graph: PoseGraph, poses: Mapping[int, Pose], cost: float, ids: list[int]) -> GraphState:
+def _state(snapshot: Snapshot, done: Solution, poses: Mapping[int, Pose], cost: float, ids: list[int]) -> GraphState:
     positions = np.array([poses[i][:3, 3] for i in ids]).reshape(-1, 3)
     taking_part = {**snapshot.poses, **poses}
     return GraphState(
         chi2=cost,
-        ate_m=snapshot.truth.ate_at(taking_part, graph.links),
+        ate_m=snapshot.truth.ate_at(taking_part, done.graph.links),
         path_m=float(np.linalg.norm(np.diff(positions, axis=0), axis=1).sum()),
     )
 

@@ -12,6 +12,7 @@ from server.cli.export import export
 from server.cli.info import info
 from server.cli.merge import merge
 from server.cli.params import params
+from server.cli.poses import optimize, turn
 from server.cli.recover import recover
 from server.cli.reprocess import reprocess
 from server.cli.run import run
@@ -45,6 +46,6 @@ def options(
     """RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct."""
 
 
-for command in (demo, run, serve, info, reprocess, merge, recover, detect, refine, export, params):
+for command in (demo, run, serve, info, reprocess, merge, recover, detect, refine, optimize, turn, export, params):
     app.command()(command)
 app.command("try")(try_parameters)

@@ -169,14 +169,21 @@ def _run(job: Job, *, verbose: bool) -> tuple[Effect | None, str]:
 
 
 def _show(effect: Effect | None, last: str, *, as_json: bool) -> None:
-    count = 0 if effect is None else len(effect.entries)
-    if as_json:
-        told = {"changed": count, "batch": None if effect is None else effect.entry.batch or effect.entry.id}
-        numbers = {} if effect is None else _numbers(effect)
-        typer.echo(json_format.dumps({"result": last, **told, **numbers}))
-        return
-    typer.echo(f"{last}; the map is as it was" if effect is None else last)
     if effect is not None:
+        show_effect(effect, last, as_json=as_json)
+    elif as_json:
+        typer.echo(json_format.dumps({"result": last, "changed": 0, "batch": None}))
+    else:
+        typer.echo(f"{last}; the map is as it was")
+
+
+def show_effect(effect: Effect, what: str, *, as_json: bool) -> None:
+    """Print what was done to a map, and what that did."""
+    if as_json:
+        told = {"changed": len(effect.entries), "batch": effect.entry.batch or effect.entry.id}
+        typer.echo(json_format.dumps({"result": what, **told, **_numbers(effect)}))
+    else:
+        typer.echo(what)
         typer.echo(f"chi2 {effect.chi2_before:.1f} -> {effect.chi2_after:.1f}")
         typer.echo(f"moved {effect.moved} poses, at most {100 * effect.max_shift_m:.1f} cm")
         if effect.ate_before is not None and effect.ate_after is not None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from slam.edit.wishes import CovarianceEdit, Detection, LinkEdit, PriorEdit, Refinement
+from slam.edit.wishes import CovarianceEdit, Detection, LinkEdit, Optimisation, PriorEdit, Refinement, Turn
 from slam.params import Value
 from slam.types import Candidate
 
@@ -135,6 +135,22 @@ class EditCovariances:
 
 
 @dataclass(frozen=True, slots=True)
+class KeepPoses:
+    """Make the poses of an optimisation those of the map; answered with its effect."""
+
+    wanted: Optimisation
+    preview: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class TurnMap:
+    """Turn the whole map as it is; answered with its effect."""
+
+    wanted: Turn
+    preview: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class StartJob:
     """Begin long work on the map; answered at once, its events tell of it.
 
@@ -156,7 +172,8 @@ class CancelJob:
     number: int
 
 
-Edit = EditLink | DropNodes | LabelNodes | EditPrior | EditCovariances
+Change = DropNodes | LabelNodes | EditPrior | EditCovariances | KeepPoses | TurnMap
+Edit = EditLink | Change
 Command = Pause | Resume | Step | Stop | SetParams | Decide | Edit | StartJob | CancelJob
 
 

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from server.engine.commands import DropNodes, Edit, EditCovariances, EditLink, EditPrior, LabelNodes, StartJob
+from server.engine.commands import (
+    Change,
+    DropNodes,
+    Edit,
+    EditCovariances,
+    EditLink,
+    EditPrior,
+    KeepPoses,
+    StartJob,
+    TurnMap,
+)
 from slam.database import JournalEntry, MapReader
 from slam.edit.covariances import weighing
 from slam.edit.detect import detect_more
 from slam.edit.job import Job
 from slam.edit.links import LinkEditor
 from slam.edit.nodes import dropping, labelling
+from slam.edit.placements import optimising, turning
 from slam.edit.priors import placing
 from slam.edit.refine import refine_links
 from slam.edit.wishes import Detection, Outcome
@@ -32,12 +43,20 @@ class Edits:
         """
         if isinstance(command, EditLink):
             return self._links.preview(command.edit) if command.preview else self._links.carry_out(command.edit)
+        return self.change(command)
+
+    def change(self, command: Change) -> Effect:
+        """The same for all but links by hand."""
         return self._review.change(self._entries(command), preview=command.preview)
 
-    def _entries(self, command: DropNodes | LabelNodes | EditPrior | EditCovariances) -> list[JournalEntry]:
-        graph, reader = self._review.graph, self._reader
+    def _entries(self, command: Change) -> list[JournalEntry]:
+        graph, params, reader = self._review.graph, self._review.params, self._reader
+        if isinstance(command, KeepPoses):
+            return [optimising(graph, params, command.wanted)]
+        if isinstance(command, TurnMap):
+            return [turning(graph, params, reader, command.wanted)]
         if isinstance(command, EditPrior):
-            return [placing(graph, self._review.params, command.edit)]
+            return [placing(graph, params, command.edit)]
         if isinstance(command, EditCovariances):
             return weighing(graph, command.edit)
         if isinstance(command, DropNodes):

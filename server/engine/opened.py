@@ -39,5 +39,7 @@ def opened(path: Path, params: Params | None = None) -> Iterator[Opened]:
         snapshot = Snapshot(reader, 1, {})
         chosen = snapshot.params if params is None else params
         graph = PoseGraph.from_reader(reader)
+        # Where the file lacks poses, those that the page shows.
+        graph.poses |= {i: T for i, T in snapshot.graph.poses.items() if i in graph}
         review = Review(graph, writer, reader, chosen, lambda poses: snapshot.truth.ate_at(poses, graph.links))
         yield Opened(writer, reader, chosen, review, GridRebuild(reader, writer, graph, chosen))

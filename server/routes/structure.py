@@ -6,8 +6,17 @@ from fastapi import APIRouter
 
 from server.browse.node_values import node_values, value_names
 from server.browse.pieces import component_list
-from server.routes.access import ViewDep
-from server.schemas import Components, NodeValues, OptimiseAsk, Optimised, ValueNames
+from server.routes.access import ServicesDep, ViewDep
+from server.schemas import (
+    Components,
+    DecisionResult,
+    KeepPoses,
+    NodeValues,
+    OptimiseAsk,
+    Optimised,
+    TurnMap,
+    ValueNames,
+)
 
 router = APIRouter(prefix="/api/maps/{map}", tags=["graph"])
 
@@ -22,6 +31,18 @@ def list_components(view: ViewDep) -> Components:
 def optimise_graph(view: ViewDep, ask: OptimiseAsk) -> Optimised:
     """Optimise the graph otherwise; nothing is stored."""
     return view.optimisations.course(view.snapshot(), ask).told
+
+
+@router.post("/poses/optimise")
+async def keep_poses(services: ServicesDep, view: ViewDep, body: KeepPoses) -> DecisionResult:
+    """Make the poses of an optimisation those of the map, or only see what that would do."""
+    return await services.keep_poses(view, body)
+
+
+@router.post("/poses/turn")
+async def turn_map(services: ServicesDep, view: ViewDep, body: TurnMap) -> DecisionResult:
+    """Turn the whole map as it is, or lay it over truth or GPS, or only see what that would do."""
+    return await services.turn_map(view, body)
 
 
 @router.get("/node-values")

@@ -60,7 +60,7 @@ from server.schemas.nodes import (
     UserData,
     Vector,
 )
-from server.schemas.optimising import GraphState, OptimiseAsk, Optimised, ShownOptimisation
+from server.schemas.optimising import GraphState, KeepPoses, OptimiseAsk, Optimised, ShownOptimisation, TurnMap
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
 from server.schemas.pieces import BestGuess, Component, Components, NearMiss
 from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
@@ -108,6 +108,7 @@ __all__ = [
     "JobStatus",
     "Journal",
     "JournalEntry",
+    "KeepPoses",
     "KeepTrial",
     "KeptTrial",
     "Landmark",
@@ -185,6 +186,7 @@ __all__ = [
     "TrialOutcome",
     "TrialSide",
     "Trials",
+    "TurnMap",
     "UserData",
     "ValueNames",
     "Vector",

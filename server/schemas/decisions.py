@@ -71,6 +71,8 @@ class JournalEntry(Schema):
     from_id: int
     to_id: int
     note: str
+    of_map: bool
+    """Whether it is about the poses of the whole map, and not about a link or a node."""
     undone_by: int | None
     batch: int | None
     """Id of the first entry of those that were decided together, and had this effect together."""

@@ -1,12 +1,13 @@
-"""Shapes of an optimisation that is looked at and never stored."""
+"""Shapes of an optimisation that is looked at, of keeping its poses, and of turning a map."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from server.schemas.base import Schema
+from server.schemas.edits import Author
 
 
 class OptimiseAsk(Schema):
@@ -62,3 +63,31 @@ class ShownOptimisation(Schema):
 
     ask: OptimiseAsk
     step: Annotated[int, Field(ge=0, le=10_000)]
+
+
+class KeepPoses(Schema):
+    """An optimisation whose poses are to be those of the map; links stay as they are."""
+
+    ask: OptimiseAsk
+    """How; ``align`` is for looking alone."""
+    step: Annotated[int, Field(ge=0, le=10_000)] | None = None
+    """The iteration whose poses are kept, 0 for the start; null for the last."""
+    author: Author = ""
+    preview: bool = False
+
+
+class TurnMap(Schema):
+    """Where the whole map is to be, as it is."""
+
+    yaw_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Turned by this about the z axis of the map."""
+    to: Literal["truth", "gps"] | None = None
+    """Instead of that laid over the ground truth, or over GPS: x east, y north, from the first reading."""
+    author: Author = ""
+    preview: bool = False
+
+    @model_validator(mode="after")
+    def _is_one(self) -> TurnMap:
+        if (self.to is None) == (self.yaw_deg == 0):
+            raise ValueError("name one: yaw_deg, other than 0, or what to lay the map over")
+        return self

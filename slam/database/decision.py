@@ -13,7 +13,7 @@ from slam.database.journal_rows import append_together
 from slam.database.link_rows import update_information
 from slam.database.node_record import KnownIds
 from slam.database.parameter_rows import change_parameters, log_parameters
-from slam.database.pose_rows import read_poses, replace_poses
+from slam.database.pose_rows import read_last, read_poses, replace_poses
 from slam.database.poses_before import insert_poses_before
 from slam.database.records import JournalEntry
 from slam.database.removed_links import put_in, take_out
@@ -51,7 +51,7 @@ def write_decision(
             put_in(connection, numbers[0], link)
     if poses:
         insert_poses_before(connection, numbers[0], read_poses(connection), poses)
-        replace_poses(connection, poses, None)
+        replace_poses(connection, poses, _last(connection, entries))
     settings = {entry.setting.name: entry.setting.after for entry in entries if entry.setting is not None}
     if settings and in_session:
         log_parameters(connection, settings)
@@ -59,9 +59,20 @@ def write_decision(
         change_parameters(connection, settings)
     for item in candidates:
         insert_candidates(connection, max(item.from_id, item.to_id), [item])
-    if add or remove or any(entry.node is not None and entry.node.drops for entry in entries):
+    if add or remove or any(_moves_much(entry) for entry in entries):
         clear_derived(connection)
     return numbers
+
+
+def _moves_much(entry: JournalEntry) -> bool:
+    return entry.placement is not None or (entry.node is not None and entry.node.drops)
+
+
+def _last(connection: Connection, entries: Sequence[JournalEntry]) -> Pose | None:
+    """Where the robot was last, in a map that is moved as it is; None leaves what is stored."""
+    moves = [entry.placement.T_new_old for entry in entries if entry.placement is not None]
+    last = read_last(connection)
+    return moves[0] @ last if last is not None and moves and moves[0] is not None else None
 
 
 def _weighed(entries: Sequence[JournalEntry]) -> set[tuple[int, int]]:

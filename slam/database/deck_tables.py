@@ -153,6 +153,20 @@ setting_change = Table(
     Column("after", Text, nullable=False),
 )
 
+#: How an entry of the journal placed all poses: moved as they were, or optimised in a manner of its own.
+placement = Table(
+    "deck_placement",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("T_new_old", LargeBinary),
+    Column("root", Integer),
+    Column("without", Text, nullable=False),
+    Column("solver", Integer),
+    Column("kernel", Text),
+    Column("start", Text, nullable=False),
+    Column("step", Integer),
+)
+
 #: Rows of Link that a decision removed, as they were; ``number`` is its first entry.
 removed_link = Table(
     "deck_removed_link",

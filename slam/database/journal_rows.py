@@ -13,6 +13,7 @@ from slam.database.blobs import pack_information, pack_pose, unpack_information,
 from slam.database.deck_tables import decision, journal
 from slam.database.faults import Faults, each_sound, link_type_of, number_of, text_of, whole_of
 from slam.database.node_change_rows import read_changes, write_change
+from slam.database.placement_rows import insert_placement, read_placements
 from slam.database.records import JournalEntry
 from slam.database.setting_rows import insert_setting, read_settings
 from slam.errors import DatabaseError
@@ -21,8 +22,10 @@ from slam.types import Link
 #: What is said of loops, and what is done to links and nodes.
 VERDICTS = ("approve", "reject", "add")
 EDITS = ("refine", "edit", "covariance", "reset", "cut", "bridge", "prior", "drop", "label")
+#: What is done to the poses alone.
+PLACEMENTS = ("optimise", "turn")
 #: Decisions, and the actions that take one of them (or an undo) back.
-DECISIONS = (*VERDICTS, *EDITS)
+DECISIONS = (*VERDICTS, *EDITS, *PLACEMENTS)
 _TAKES_BACK = {"undo": DECISIONS, "redo": ("undo",)}
 
 
@@ -72,6 +75,8 @@ def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> 
             write_change(connection, number, entry.node)
         if entry.setting is not None:
             insert_setting(connection, number, entry.setting)
+        if entry.placement is not None:
+            insert_placement(connection, number, entry.placement)
     return numbers
 
 
@@ -81,8 +86,14 @@ def read_journal(connection: Connection, faults: Faults | None = None) -> list[J
     Rows that make no sense go to ``faults``.
     """
     changes, settings = read_changes(connection), read_settings(connection, faults)
+    placements = read_placements(connection, faults)
     entries = [
-        replace(entry, node=changes.get(entry.id), setting=settings.get(entry.id))
+        replace(
+            entry,
+            node=changes.get(entry.id),
+            setting=settings.get(entry.id),
+            placement=placements.get(entry.id),
+        )
         for entry in each_sound(journal.name, connection.execute(_all(connection)), _entry, faults)
     ]
     undone_by: dict[int, int] = {}

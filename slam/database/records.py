@@ -16,6 +16,7 @@ from slam.types import (
     LocalGrid,
     Node,
     OccupancyGrid,
+    Placement,
     Stored,
     TrackedFrame,
     Update,
@@ -171,8 +172,8 @@ class JournalEntry:
         time: Unix seconds.
         author: who decided.
         action: a verdict about a loop (``approve``, ``reject``, ``add``), an edit of a link (``refine``, ``edit``,
-            ``covariance``, ``reset``, ``cut``, ``bridge``) or of a node (``prior``, ``drop``, ``label``), or ``undo``
-            or ``redo``.
+            ``covariance``, ``reset``, ``cut``, ``bridge``) or of a node (``prior``, ``drop``, ``label``), of all poses
+            (``optimise``, ``turn``), or ``undo`` or ``redo``.
         from_id: node id.
         to_id: node id.
         link_before: the link before the decision, None when there was none.
@@ -189,6 +190,7 @@ class JournalEntry:
         batch: id of the first entry of those that were decided together, None for one alone; given by the file.
         node: what it did to a node, for edits of nodes.
         setting: the parameter that it changed with the map, None for most.
+        placement: what it did to all poses with links as they were, None for most.
     """
 
     action: str
@@ -211,6 +213,7 @@ class JournalEntry:
     batch: int | None = None
     node: NodeChange | None = None
     setting: SettingChange | None = None
+    placement: Placement | None = None
 
     @property
     def pair(self) -> tuple[int, int]:

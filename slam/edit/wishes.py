@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from slam.geometry import Array, Pose
-from slam.types import Link, LinkType, Refusal, Registration
+from slam.types import Link, LinkType, Manner, Refusal, Registration
 
 if TYPE_CHECKING:
     from slam.review import Effect
@@ -178,4 +178,34 @@ class PriorEdit:
     T_map_base: Pose | None = None
     sigmas: Array | None = None
     count: bool = False
+    author: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Optimisation:
+    """Poses to keep.
+
+    Attributes:
+        manner: how the graph is optimised.
+        step: the iteration whose poses are kept, 0 for the start; None for the last.
+        author: who wants it.
+    """
+
+    manner: Manner
+    step: int | None = None
+    author: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turn:
+    """Where the whole map is to be.
+
+    Attributes:
+        yaw_rad: turned by this about the z axis of the map.
+        to: instead of that laid over the true path, or over GPS readings (x east, y north, from the first of them).
+        author: who wants it.
+    """
+
+    yaw_rad: float = 0.0
+    to: Literal["truth", "gps"] | None = None
     author: str = ""

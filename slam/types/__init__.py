@@ -9,6 +9,7 @@ from slam.types.link import UNKNOWN_VARIANCE, Link, LinkType
 from slam.types.loop import Candidate, Posterior
 from slam.types.node import WEIGHT_INTERMEDIATE, WEIGHT_INVALID, Node, Tier
 from slam.types.odometry import Odometry, TrackedFrame
+from slam.types.placement import KernelName, Manner, Placement, StartName
 from slam.types.refusal import Refusal
 from slam.types.registration import IcpEvidence, Registration
 from slam.types.stored import Stored
@@ -25,16 +26,20 @@ __all__ = [
     "Frame",
     "IcpEvidence",
     "Images",
+    "KernelName",
     "Link",
     "LinkType",
     "LocalGrid",
+    "Manner",
     "Node",
     "OccupancyGrid",
     "Odometry",
+    "Placement",
     "Posterior",
     "Refusal",
     "Registration",
     "Scan",
+    "StartName",
     "Stored",
     "Tier",
     "TrackedFrame",

@@ -19,15 +19,16 @@ from slam.database.blobs import pack_matrix
 from slam.edit.covariances import weighing
 from slam.edit.links import LinkEditor
 from slam.edit.nodes import dropping, labelling
+from slam.edit.placements import optimising, turning
 from slam.edit.priors import placing
-from slam.edit.wishes import CovarianceEdit, LinkEdit, PriorEdit
+from slam.edit.wishes import CovarianceEdit, LinkEdit, Optimisation, PriorEdit, Turn
 from slam.errors import DecisionError
 from slam.geometry import between, se3_exp
 from slam.graph import PoseGraph, optimize
 from slam.params import Params
 from slam.review import Effect, Review
 from slam.tools.parameters import taken
-from slam.types import Candidate, Link, LinkType, Refusal
+from slam.types import Candidate, Link, LinkType, Manner, Refusal
 from tests.graphs import circles, loop, truth, write_map
 
 NODES = 24
@@ -132,8 +133,21 @@ def weigh(at: Session, a: int, b: int) -> Effect:
     return at.review.change(weighing(at.review.graph, wanted))
 
 
+def optimise(at: Session, a: int, b: int) -> Effect:
+    """Keep the poses of an optimisation on trial."""
+    without = ((), (LinkType.GLOBAL_CLOSURE,), (LinkType.LANDMARK, LinkType.GRAVITY))[b % 3]
+    manner = Manner(root=a, without=without, kernel="Cauchy" if b % 2 else None, start="odometry" if a % 2 else "map")
+    wanted = Optimisation(manner=manner, step=b if b < 3 else None)
+    return at.review.change([optimising(at.review.graph, at.review.params, wanted)])
+
+
+def turn(at: Session, a: int, b: int) -> Effect:
+    wanted = Turn(yaw_rad=0.1 * (a - b))
+    return at.review.change([turning(at.review.graph, at.review.params, at.reader, wanted)])
+
+
 ACTS: dict[str, Callable[[Session, int, int], Effect | None]] = {
-    **{act.__name__: act for act in (reject, approve, link, drop, label, prior, weigh)},
+    **{act.__name__: act for act in (reject, approve, link, drop, label, prior, weigh, optimise, turn)},
     "undo": lambda at, *_: at.review.undo(),
     "redo": lambda at, *_: at.review.redo(),
 }

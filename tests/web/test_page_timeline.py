@@ -70,6 +70,11 @@ def test_the_graph_is_optimised_on_trial_and_its_links_hide(library: Served, ope
     expect(page.get_by_role("table", name="Before and after")).to_contain_text("χ²")
     scene = "async () => (await (await fetch('api/scene/flat?viewer=' + sessionStorage['slamdeck.viewer'])).json())"
     until(page, f"async () => (await ({scene})()).optimised?.ask.without[0] === 'GlobalClosure'")
+    page.get_by_role("button", name="Keep these poses…").click()
+    dialog = page.get_by_role("dialog", name="Keep these poses")
+    expect(dialog).to_contain_text("moved")
+    expect(dialog).to_contain_text("A later decision")
+    dialog.get_by_role("button", name="Cancel").click()
     page.get_by_label("Show Global loop links").uncheck()
     until(page, f"async () => (await ({scene})()).hidden_links[0] === 'loop'")
     page.get_by_label("Show Global loop links").check()

@@ -85,11 +85,11 @@ export function EffectLine() {
   if (deciding.value) return html`<p class="effect" role="status">Optimising the graph…</p>`;
   if (!last) return null;
   const { entry, effect, count } = last;
-  const one = entry.from_id === entry.to_id ? ` node ${entry.from_id}` : ` ${entry.from_id} → ${entry.to_id}`;
+  const one = entry.of_map ? "" : entry.from_id === entry.to_id ? ` node ${entry.from_id}` : ` ${entry.from_id} → ${entry.to_id}`;
   const loops = ["approve", "reject", "add"].includes(entry.action);
   const name = count > 1 ? ` ${text.whole(count)} ${loops ? "loops" : "entries"}` : one;
   const note = last.note && html`<span class="ink-warn">${last.note}</span>`;
-  return html`<p class="effect" role="status" id="effect"><span class="quiet">${PAST[entry.action] ?? entry.action}${name}</span> ${effectParts(effect)} ${note}</p>`;
+  return html`<p class="effect" role="status" id="effect"><span class="quiet">${done(entry)}${name}</span> ${effectParts(effect)} ${note}</p>`;
 }
 
 /** @type {Record<string, string>} */
@@ -108,7 +108,14 @@ export const PAST = {
   prior: "Prior of",
   covariance: "Covariance of",
   label: "Labelled",
+  optimise: "Kept other poses",
+  turn: "Turned the map",
 };
+
+/** What was done, and for the way back to what. @param {import("../store.js").Schemas["JournalEntry"]} entry */
+export function done({ action, of_map: ofMap }) {
+  return `${PAST[action] ?? action}${ofMap && ["undo", "redo"].includes(action) ? " a decision about all poses" : ""}`;
+}
 
 /** @param {number | null} chi2 */
 export function chi2Text(chi2) {

@@ -8,7 +8,7 @@ import * as text from "../format.js";
 import { link } from "../router.js";
 import { Author } from "./author.js";
 import { Button } from "./button.js";
-import { EffectLine, effectParts, lockReason, PAST } from "./decision_bar.js";
+import { done, EffectLine, effectParts, lockReason } from "./decision_bar.js";
 import { Empty, Failed, Loading } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
 
@@ -56,7 +56,7 @@ function Batch({ batch, loops }) {
   const [first] = batch;
   const undone = batch.every((entry) => entry.undone_by);
   const [named, rest] = batch.length > MOST_NAMED + 1 ? [batch.slice(0, MOST_NAMED), batch.slice(MOST_NAMED)] : [batch, []];
-  const actions = [...new Set(batch.map(({ action }) => PAST[action] ?? action))].join(", ");
+  const actions = [...new Set(batch.map(done))].join(", ");
   return html`<li class=${undone ? "undone" : ""}>
     <div>
       <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} ${loops ? "loops" : "entries"}` : ""}</b>
@@ -67,12 +67,14 @@ function Batch({ batch, loops }) {
     html`<div class="small journal-names">
       ${named.map(name)}${rest.length > 0 && html`<details><summary>${text.whole(rest.length)} more</summary>${rest.map(name)}</details>`}
     </div>`}
+    ${first.of_map && html`<div class="small quiet">${first.note}</div>`}
     <div class="small journal-effect">${effectParts(first.effect)}</div>
   </li>`;
 }
 
 /** @param {Entry} entry */
-function name({ id, from_id: from, to_id: to }) {
+function name({ id, from_id: from, to_id: to, of_map: ofMap }) {
+  if (ofMap) return null;
   if (from === to) return html`<a key=${id} href=${link({ view: "nodes", key: from })}>node ${from}</a>`;
   return html`<a key=${id} href=${link({ view: "loops", key: `${from}-${to}`, query: { tab: "journal" } })}>${from} → ${to}</a>`;
 }

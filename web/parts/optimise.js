@@ -1,8 +1,10 @@
-// Optimises the graph on trial: how, every iteration, and what it changes. Nothing of it is stored.
+// Optimises the graph on trial: how, every iteration, and what it changes. Nothing of it is stored unless
+// somebody keeps its poses.
 import { cx, h, html } from "../html.js";
 import * as text from "../format.js";
 import { moment } from "../router.js";
 import { info } from "../store.js";
+import { KeepPoses } from "./all_poses.js";
 import { Button, Chip } from "./button.js";
 import { Facts } from "./facts.js";
 
@@ -33,6 +35,7 @@ export function Optimise({ trial }) {
     </div>
     ${trial.error.value && html`<p class="ink-bad small" role="alert">${trial.error.value.message}</p>`}
     ${trial.found.value ? h(Result, { trial, found: trial.found.value }) : html`<p class="quiet small">Links that don't count above are left out. The path that comes of it shows dashed beside the map's.</p>`}
+    ${h(KeepPoses, { trial })}
   </section>`;
 }
 

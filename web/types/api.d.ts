@@ -764,6 +764,46 @@ export interface paths {
         patch: operations["change_parameters"];
         trace?: never;
     };
+    "/api/maps/{map}/poses/optimise": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Keep Poses
+         * @description Make the poses of an optimisation those of the map, or only see what that would do.
+         */
+        post: operations["keep_poses"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/maps/{map}/poses/turn": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Turn Map
+         * @description Turn the whole map as it is, or lay it over truth or GPS, or only see what that would do.
+         */
+        post: operations["turn_map"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/preview.jpg": {
         parameters: {
             query?: never;
@@ -1718,6 +1758,11 @@ export interface components {
             /** Note */
             note: string;
             /**
+             * Of Map
+             * @description Whether it is about the poses of the whole map, and not about a link or a node.
+             */
+            of_map: boolean;
+            /**
              * Time
              * @description Unix seconds.
              */
@@ -1726,6 +1771,29 @@ export interface components {
             to_id: number;
             /** Undone By */
             undone_by: number | null;
+        };
+        /**
+         * KeepPoses
+         * @description An optimisation whose poses are to be those of the map; links stay as they are.
+         */
+        KeepPoses: {
+            /** @description How; ``align`` is for looking alone. */
+            ask: components["schemas"]["OptimiseAsk"];
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * Step
+             * @description The iteration whose poses are kept, 0 for the start; null for the last.
+             */
+            step?: number | null;
         };
         /**
          * KeepTrial
@@ -3737,6 +3805,33 @@ export interface components {
         Trials: {
             /** Trials */
             trials: components["schemas"]["Trial"][];
+        };
+        /**
+         * TurnMap
+         * @description Where the whole map is to be, as it is.
+         */
+        TurnMap: {
+            /**
+             * Author
+             * @default
+             */
+            author: string;
+            /**
+             * Preview
+             * @default false
+             */
+            preview: boolean;
+            /**
+             * To
+             * @description Instead of that laid over the ground truth, or over GPS: x east, y north, from the first reading.
+             */
+            to?: ("truth" | "gps") | null;
+            /**
+             * Yaw Deg
+             * @description Turned by this about the z axis of the map.
+             * @default 0
+             */
+            yaw_deg: number;
         };
         /**
          * UserData
@@ -6746,6 +6841,150 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ParameterSet"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    keep_poses: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["KeepPoses"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    turn_map: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TurnMap"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionResult"];
                 };
             };
             /** @description No token. */

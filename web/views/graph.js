@@ -5,6 +5,7 @@ import { openMapId } from "../router.js";
 import { info } from "../store.js";
 import { LinkClasses } from "../parts/link_classes.js";
 import { Optimise } from "../parts/optimise.js";
+import { TurnMap } from "../parts/all_poses.js";
 import { Pieces } from "../parts/pieces.js";
 import { SessionToggles } from "../parts/session_toggles.js";
 import { optimisingOf } from "../optimising.js";
@@ -18,7 +19,8 @@ export function GraphView() {
       <span class="quiet grow">${info.value ? `${text.plural(info.value.nodes, "node")}, ${text.plural(links, "link")}` : ""}</span>
     </div>
     <div class="view-body graph-view">
-      ${h(LinkClasses, { trial: optimisingOf(map) })} ${h(Optimise, { key: map, map, trial: optimisingOf(map) })} ${h(SessionToggles, {})}
+      ${h(LinkClasses, { trial: optimisingOf(map) })} ${h(Optimise, { key: map, map, trial: optimisingOf(map) })} ${h(TurnMap, { key: `turn ${map}` })}
+      ${h(SessionToggles, {})}
       ${h(Pieces, { key: `pieces ${map}`, map })}
     </div>
   </div>`;

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from server.scene.colours import DARK, node_colours
+from slam.database import MapReader
 from tests.tours import mapped
 from tests.unit.server.loop_map import ACCEPTED, NODES, REFUSED
 from tests.unit.server.running import RunningApp, StartApp
@@ -60,6 +61,32 @@ def test_classes_that_do_not_count_are_left_out(toured: RunningApp) -> None:
     assert apart["dropped"] > 0
     assert optimised(toured, root=5)["root"] == 5
     assert toured.post("/api/maps/tour/what-if/optimise", json={"root": 9999}).status_code == 404
+
+
+def test_poses_of_an_optimisation_are_foreseen_kept_and_taken_back(toured: RunningApp, tmp_path: Path) -> None:
+    reader = MapReader(tmp_path / "tour.db")
+    before, ask = reader.poses(), {"without": ["GlobalClosure", "LocalSpaceClosure"], "root": 3}
+    tried = optimised(toured, **ask)
+
+    def keep(**more: Any) -> Any:
+        return toured.post("/api/maps/tour/poses/optimise", json={"ask": ask, "author": "ann", **more})
+
+    seen = keep(preview=True).json()
+    assert seen["preview"] and "A later decision" in seen["note"] and not reader.journal()
+    done = keep().json()
+    assert done["effect"] == seen["effect"] and done["entry"]["action"] == "optimise"
+    assert done["effect"]["max_shift_m"] == pytest.approx(tried["max_shift_m"], rel=1e-3)
+    assert done["effect"]["ate_after_m"] == pytest.approx(tried["steps"][-1]["ate_m"], rel=1e-3)
+    assert optimised(toured, **ask, start="map")["max_shift_m"] < 1e-3, "the map is there now"
+    assert keep(step=5000).status_code == 409
+    assert keep(ask={"without": ["Nearby"]}).status_code == 404
+    turned = toured.post("/api/maps/tour/poses/turn", json={"to": "truth"}).json()
+    assert turned["effect"]["moved"] > 0 and "ground truth" in turned["entry"]["note"]
+    assert toured.post("/api/maps/tour/poses/turn", json={"yaw_deg": 0}).status_code == 422
+    for _ in range(2):
+        assert toured.post("/api/maps/tour/decisions", json={"action": "undo"}).status_code == 200
+    after = reader.poses()
+    assert all(np.array_equal(before[i], after[i]) for i in before)
 
 
 def test_a_graph_in_one_piece_is_told_as_one(client: RunningApp) -> None:

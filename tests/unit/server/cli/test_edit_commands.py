@@ -1,4 +1,4 @@
-"""``slamdeck detect`` and ``slamdeck refine`` write into the file, with the journal."""
+"""``slamdeck detect``, ``refine``, ``optimize`` and ``turn`` write into the file, with the journal."""
 
 from __future__ import annotations
 
@@ -48,6 +48,24 @@ def test_loops_are_detected_and_links_refined_in_the_file(tour: Path) -> None:
     assert MapReader(tour).journal()[-1].action == "refine"
 
 
+def test_poses_are_optimised_on_trial_kept_and_turned(tour: Path) -> None:
+    ask = ("optimize", tour, "--ignore", "Gravity", "--root", 3, "--solver", "gn")
+    before = tour.read_bytes()
+    tried = slamdeck(*ask, "--json")
+    assert tried.returncode == 0, tried.stderr
+    assert json.loads(tried.stdout)["root"] == 3 and tour.read_bytes() == before
+    kept = slamdeck(*ask, "--keep")
+    assert kept.returncode == 0, kept.stderr
+    assert "kept: root 3; without Gravity; Gauss-Newton; from odometry" in kept.stdout
+    turned = slamdeck("turn", tour, "--to", "truth", "--author", "ann", "--json")
+    assert turned.returncode == 0, turned.stderr
+    assert json.loads(turned.stdout)["moved"] > 0
+    assert [(one.action, one.author) for one in MapReader(tour).journal()[-2:]] == [
+        ("optimise", "slamdeck optimize"),
+        ("turn", "ann"),
+    ]
+
+
 def test_what_makes_no_sense_is_refused_in_one_line(tour: Path) -> None:
     before = len(MapReader(tour).journal())
     for arguments, why in (
@@ -55,6 +73,8 @@ def test_what_makes_no_sense_is_refused_in_one_line(tour: Path) -> None:
         (("refine", tour, "--first", 5000), "nothing would be refined"),
         (("detect", tour, "--no-intra", "--no-inter"), "no pair"),
         (("detect", tour.with_name("none.db")), "none.db"),
+        (("optimize", tour, "--ignore", "Nearby"), "no kind of link"),
+        (("turn", tour), "--yaw"),
     ):
         done = slamdeck(*arguments)
         assert done.returncode == 2 and why in done.stderr and len(done.stderr.strip().splitlines()) == 1
