@@ -30,6 +30,7 @@ from server.schemas.edits import (
 )
 from server.schemas.graph import Graph, LinkColumns, NodeColumns, NodeValues, ValueNames
 from server.schemas.links import (
+    KnownLink,
     LinkDetail,
     LinkMatches,
     LinkWalk,
@@ -111,6 +112,7 @@ __all__ = [
     "KeepPoses",
     "KeepTrial",
     "KeptTrial",
+    "KnownLink",
     "Landmark",
     "Landmarks",
     "LayerChange",

@@ -56,7 +56,7 @@ class Scene(Schema):
     overlay: Overlay | None = None
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
     overlay_of: OverlayPoints = "cloud"
-    """Of what those clouds are: of depth images, and scans where there are none, or of scans alone."""
+    """Of what those clouds are: of depth images, or of scans; of the other where a node has none of these."""
     at: int | None = None
     """The node of the update that is shown; null for the map as it is now."""
     hidden_links: list[LinkClass] = Field(default_factory=list)

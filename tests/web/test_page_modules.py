@@ -189,3 +189,9 @@ def test_only_one_value_in_a_hundred_is_cut_off_a_chart_and_only_if_it_flattens_
     elif len(most) < 200:
         assert most[0] <= 4 * most[1]
     assert call(modules, "parts/chart_range.js", "m.ceiling([a], 0, 18)", values) is None
+
+
+def test_a_time_axis_has_no_label_in_the_corner(modules: Page) -> None:
+    labels = "m.seconds({valToPos: (at) => at * a}, [0, 10, 60, 120, 605])"
+    assert call(modules, "parts/chart.js", labels, 2) == ["", "10 s", "60 s", "2:00", "10:05"]
+    assert call(modules, "parts/chart.js", labels, 0.5)[:2] == ["", ""], "nor one that would reach into it"

@@ -312,6 +312,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/links/{from_id}/{to_id}/known": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Known Link
+         * @description The same, or that nothing is known of the pair.
+         */
+        get: operations["get_known_link"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/links/{from_id}/{to_id}/matches": {
         parameters: {
             query?: never;
@@ -1792,6 +1812,19 @@ export interface components {
             map: string;
         };
         /**
+         * KnownLink
+         * @description What is known of a pair of nodes.
+         */
+        KnownLink: {
+            /** @description None where they are not linked, and no loop between them was looked at. */
+            link: components["schemas"]["LinkDetail"] | null;
+            /**
+             * Note
+             * @description Why there is none.
+             */
+            note: string;
+        };
+        /**
          * Landmark
          * @description A tag or marker that nodes saw.
          */
@@ -1920,6 +1953,11 @@ export interface components {
             residual_sigma: number | null;
             /** Rotation Deg */
             rotation_deg: number | null;
+            /**
+             * Scans
+             * @description Whether the first node has points of a scanner, and whether the second has.
+             */
+            scans: boolean[];
             /** Sigma Deg */
             sigma_deg: number[] | null;
             /** Sigma M */
@@ -3191,7 +3229,7 @@ export interface components {
             overlay?: ("link" | "poses") | null;
             /**
              * Overlay Of
-             * @description Of what those clouds are: of depth images, and scans where there are none, or of scans alone.
+             * @description Of what those clouds are: of depth images, or of scans; of the other where a node has none of these.
              * @default cloud
              * @enum {string}
              */
@@ -5043,6 +5081,76 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LinkDetail"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_known_link: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                from_id: number;
+                to_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["KnownLink"];
                 };
             };
             /** @description No token. */

@@ -103,6 +103,15 @@ def test_what_a_map_does_not_have_is_not_found(client: RunningApp, path: str) ->
     assert answer.json()["error"]["code"] == "not_found"
 
 
+def test_whether_two_nodes_are_linked_can_be_asked_without_an_error(client: RunningApp) -> None:
+    known = client.get("/api/maps/loops/links/2/3/known").json()
+    assert known["link"] == client.get("/api/maps/loops/links/2/3").json() and known["note"] == ""
+    assert known["link"]["scans"] == [False, False]
+    for pair, why in (("2/9", "not linked"), ("2/9999", "node 9999 is not in the map")):
+        answer = client.get(f"/api/maps/loops/links/{pair}/known")
+        assert answer.status_code == 200 and answer.json()["link"] is None and why in answer.json()["note"]
+
+
 def test_images_are_as_stored_and_previews_are_small(client: RunningApp, maps_folder: Path) -> None:
     answer = client.get("/api/maps/loops/nodes/3/image")
     assert answer.headers["content-type"] == "image/jpeg"
