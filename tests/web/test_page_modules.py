@@ -92,11 +92,11 @@ def test_a_row_that_is_here_is_found_and_told_of_at_once(modules: Page) -> None:
     code = """(() => {
         const rows = Object.assign(new m.Window("tour"), {loaded: true});
         rows.pages.set(0, a.map((id) => ({id})));
-        const before = rows.revision.value;
+        const [before, at] = [rows.revision.value, rows.indexOf(a[1])];
         rows.seek(a[1]);
-        return [rows.sought(), rows.revision.value > before];
+        return [at, rows.indexOf(a[1]), rows.indexOf(a[1] + 1), rows.revision.value > before];
     })()"""
-    assert call(modules, "window.js", code, [5, 7]) == [1, True]
+    assert call(modules, "window.js", code, [5, 7]) == [1, 1, -1, True]
 
 
 @pytest.mark.parametrize("text", ["", "#", "#/nowhere", "#/map", "#/map/tour/nowhere/5", "#/%E0%A4%A"])
