@@ -1446,6 +1446,31 @@ export interface components {
             revision: number | null;
         };
         /**
+         * DepthUse
+         * @description Which pixels of depth images become the cloud and the mesh of a node close up.
+         */
+        DepthUse: {
+            /**
+             * Edges
+             * @description Those at the edges of things as well, which may hang in the air behind them.
+             * @default true
+             */
+            edges: boolean;
+            /**
+             * Every
+             * @description Every so manieth of a row, and row.
+             * @default 1
+             * @enum {integer}
+             */
+            every: 1 | 2 | 4 | 8;
+            /**
+             * Far M
+             * @description None farther away than this, metres; 0 for no limit.
+             * @default 0
+             */
+            far_m: number;
+        };
+        /**
          * DetectOptions
          * @description More loop closures: what is looked for.
          */
@@ -3210,6 +3235,8 @@ export interface components {
              * @default true
              */
             dark: boolean;
+            /** @description Of which pixels its cloud and its mesh are made. */
+            depth?: components["schemas"]["DepthUse"];
             /** Hidden Links */
             hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[];
             /** Hidden Sessions */
@@ -3281,6 +3308,7 @@ export interface components {
             colour?: string | null;
             /** Dark */
             dark?: boolean | null;
+            depth?: components["schemas"]["DepthUse"] | null;
             /** Hidden Links */
             hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[] | null;
             /** Hidden Sessions */
@@ -5913,6 +5941,8 @@ export interface operations {
                 /** @description Depth of the first colour. */
                 min?: number;
                 colours?: "turbo" | "viridis" | "jet" | "gray";
+                /** @description Pixels at the edges of things as well. */
+                edges?: boolean;
             };
             header?: never;
             path: {

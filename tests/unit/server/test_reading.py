@@ -16,6 +16,7 @@ import pytest
 
 from slam.database import MapReader
 from slam.geometry import from_quat_xyzw
+from slam.maps.depth_edges import without_edges
 from tests.unit.server.loop_map import ACCEPTED, NODES, REFUSED, odometry_pose, true_pose
 from tests.unit.server.running import RunningApp, StartApp
 
@@ -135,6 +136,9 @@ def test_depth_is_coloured_and_transparent_where_unknown(client: RunningApp, map
     assert image is not None and image.shape == (48, 64, 4)
     depth = MapReader(maps_folder / "loops.db").depth_m(3)
     assert np.array_equal(image[:, :, 3] > 0, depth > 0)
+    data = client.get("/api/maps/loops/nodes/3/depth.png?max=5&edges=false").content
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert image is not None and np.array_equal(image[:, :, 3] > 0, without_edges(depth) > 0)
 
 
 def test_features_have_the_depth_along_the_optical_axis(client: RunningApp, maps_folder: Path) -> None:
