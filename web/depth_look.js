@@ -10,6 +10,8 @@ export const depthColours = remembered("depth-colours", "turbo");
 /** Metres; 0 as the farthest lets each image choose. */
 export const nearest = remembered("depth-nearest", 0);
 export const farthest = remembered("depth-farthest", 0);
+/** Whether pixels at the edges of things are shown as well. */
+export const withEdges = remembered("depth-edges", true);
 /** Share of the depth in the colour image, 0 for none. */
 export const veil = remembered("depth-veil", 0);
 
@@ -38,6 +40,6 @@ export function colouredAddress(map, node, what) {
 
 /** @param {string} map @param {number} node */
 export function depthAddress(map, node) {
-  const query = new URLSearchParams({ colours: depthColours.value, min: String(nearest.value), max: String(farthest.value) });
+  const query = new URLSearchParams({ colours: depthColours.value, min: String(nearest.value), max: String(farthest.value), edges: String(withEdges.value) });
   return `${address("api", "maps", map, "nodes", node, "depth.png")}?${query}`;
 }

@@ -21,11 +21,14 @@ view.title = document.title;
 view.src = `${address("viser", asked.get("map") ?? "", `@${asked.get("viewer") ?? ""}`)}/?hideViserLogo`;
 view.addEventListener("load", () => {
   paint();
+  // What the server says instead of viser, or the browser instead of the server, has no place for a view.
+  parent.postMessage(view.contentDocument?.getElementById("root") ? "drawn" : "failed", location.origin);
   // Without a view there is what the browser says about that, which nobody may look into.
   if (view.contentDocument) view.contentWindow?.addEventListener("keydown", tell, { capture: true });
 });
 paint();
 document.body.append(view);
+parent.postMessage("here", location.origin);
 
 addEventListener("message", ({ origin, source, data }) => {
   if (origin !== location.origin || source !== parent) return;

@@ -90,10 +90,10 @@ export class Window {
     else this.revision.value += 1;
   }
 
-  /** Index of the node that was sought, -1 while it isn't known and where it is not in the table. */
-  sought() {
-    const here = this.find(this.wanted);
-    return here >= 0 ? here : (this.row ?? -1);
+  /** Index of a node, here or sought; -1 while it isn't known and where it is not in the table. @param {number} id */
+  indexOf(id) {
+    const here = this.find(id);
+    return here < 0 && id === this.wanted ? (this.row ?? -1) : here;
   }
 
   /** Ids of the rows of a range, whether they are here or not. @param {number} first @param {number} last */

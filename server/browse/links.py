@@ -15,7 +15,7 @@ from server.browse.loops import doubt, evidence, loop_state, reason, rival
 from server.browse.sensors import user_data_facts
 from server.browse.snapshot import Pair, Snapshot
 from server.errors import NotFoundError
-from server.schemas import LinkDetail
+from server.schemas import KnownLink, LinkDetail
 from slam.database.sensor_values import text_in
 from slam.errors import DatabaseError
 from slam.geometry import between, rotation_angle, translation_norm
@@ -74,8 +74,20 @@ def link_detail(
         merged_scans=_merged_scans(attached),
         user_data=user_data_facts(attached),
         problem=problem,
+        scans=[node_id in snapshot.scanned for node_id in (link.from_id, link.to_id)],
         walk=link_walk(snapshot, pair, link.type),
     )
+
+
+def known_link(
+    snapshot: Snapshot, from_id: int, to_id: int, tried: Mapping[Pair, Candidate] | None = None
+) -> KnownLink:
+    """The same of any two ids: that there is nothing between them is an answer, too."""
+    try:
+        return KnownLink(link=link_detail(snapshot, from_id, to_id, tried), note="")
+    except NotFoundError as error:
+        absent = [node_id for node_id in (from_id, to_id) if node_id not in snapshot.rows]
+        return KnownLink(link=None, note=f"node {absent[0]} is not in the map" if absent else str(error))
 
 
 def measured_link(snapshot: Snapshot, pair: Pair) -> Link | None:

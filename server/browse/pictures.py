@@ -14,6 +14,7 @@ from server.browse.nodes import require_known
 from server.errors import NotFoundError
 from slam.database.images import decode_color
 from slam.errors import DatabaseError
+from slam.maps.depth_edges import without_edges
 from slam.maps.views import disparity_px, node_views
 
 _PREVIEW_WIDTH, _PREVIEW_HEIGHT = 320, 1280
@@ -48,17 +49,20 @@ def preview(view: MapView) -> bytes:
     return bytes(cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 82])[1])
 
 
-def coloured_depth(view: MapView, node_id: int, min_m: float, max_m: float, colours: DepthColours = "turbo") -> bytes:
+def coloured_depth(
+    view: MapView, node_id: int, min_m: float, max_m: float, colours: DepthColours = "turbo", *, edges: bool = True
+) -> bytes:
     """Depth as a PNG from ``min_m`` (blue, black) to ``max_m`` metres (red, white), transparent where unknown.
 
     With 0 as ``max_m`` nearly all depths are below it; what is nearer or farther has the first or last colour. Of a
-    stereo pair depth is worked out.
+    stereo pair depth is worked out. Without ``edges`` pixels between two surfaces are unknown.
     """
     _present(view, node_id, "depth")
     if _baselines(view, node_id):
         depth_m = np.hstack([seen.depth_m for seen in node_views(view.reader, node_id)])
     else:
         depth_m = view.reader.depth_m(node_id)
+    depth_m = depth_m if edges else without_edges(depth_m)
     last = max_m if max_m > min_m else max(_far(depth_m), min_m + _LEAST_SPAN_M)
     return _coloured(depth_m, min_m, last, colours)
 

@@ -63,9 +63,10 @@ def get_node_depth(
     max_m: Annotated[float, Query(alias="max", ge=0, le=1000, description="Depth of the last colour; 0 fits.")] = 0.0,
     min_m: Annotated[float, Query(alias="min", ge=0, le=1000, description="Depth of the first colour.")] = 0.0,
     colours: DepthColours = "turbo",
+    edges: Annotated[bool, Query(description="Pixels at the edges of things as well.")] = True,
 ) -> Response:
     """The depth image in colours, transparent where unknown."""
-    return picture(coloured_depth(view, node_id, min_m, max_m, colours), "image/png")
+    return picture(coloured_depth(view, node_id, min_m, max_m, colours, edges=edges), "image/png")
 
 
 @router.get("/{node_id}/disparity.png", response_class=Response, responses=PNG)

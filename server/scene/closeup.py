@@ -17,7 +17,7 @@ from server.scene.matt import as_matt_glb
 from server.scene.node_details import DetailPoints, dense_points, scan_points, word_points
 from server.scene.node_surfaces import Surface, as_trimesh, node_elevation, node_mesh
 from server.scene.placed import PlacedGraph
-from server.schemas.scene import NodePart
+from server.schemas.scene import DepthUse, NodePart
 from slam.database import MapReader
 from slam.errors import SlamError
 from slam.geometry import Pose, make, so3_exp
@@ -41,6 +41,7 @@ class CloseUpLayer:
     def __init__(self, scene: SceneApi) -> None:
         self._scene = scene
         self._of: tuple[int, int, Theme] | None = None
+        self._depth = DepthUse()
         self._points: dict[NodePart, PointCloudHandle | None] = {}
         self._surfaces: dict[NodePart, GlbHandle | None] = {}
         self._grid: ImageHandle | None = None
@@ -55,8 +56,9 @@ class CloseUpLayer:
         parts: Collection[NodePart],
         floor_m: float,
         look: Theme,
+        depth: DepthUse,
     ) -> None:
-        """Show these parts of a node where it is now; without a node nothing."""
+        """Show these parts of a node where it is now, of these pixels of its depth; without a node nothing."""
         known = node is not None and node in graph.rows
         of = (node, revision, look) if known and node is not None and parts else None
         if of != self._of:
@@ -64,6 +66,9 @@ class CloseUpLayer:
             self._of = of
         if of is None:
             return
+        if depth != self._depth:
+            self._forget_depth()
+            self._depth = depth
         T_map_base = graph.T_map[graph.rows[of[0]]]
         self._draw_points(reader, of[0], T_map_base, parts, look)
         self._draw_surfaces(reader, of[0], T_map_base, parts)
@@ -73,7 +78,7 @@ class CloseUpLayer:
         self, reader: MapReader, node: int, T_map_base: Pose, parts: Collection[NodePart], look: Theme
     ) -> None:
         makers: dict[NodePart, Callable[[], DetailPoints]] = {
-            "cloud": lambda: dense_points(reader, node),
+            "cloud": lambda: dense_points(reader, node, self._depth),
             "words": lambda: word_points(reader, node, look),
             "scan": lambda: scan_points(reader, node, look),
         }
@@ -100,7 +105,7 @@ class CloseUpLayer:
 
     def _draw_surfaces(self, reader: MapReader, node: int, T_map_base: Pose, parts: Collection[NodePart]) -> None:
         makers: dict[NodePart, Callable[[], Surface]] = {
-            "mesh": lambda: node_mesh(reader, node),
+            "mesh": lambda: node_mesh(reader, node, self._depth),
             "elevation": lambda: node_elevation(reader, node, T_map_base),
         }
         for part, make_surface in makers.items():
@@ -138,6 +143,12 @@ class CloseUpLayer:
         return self._scene.add_image(
             "/closeup/grid", image, side, side, format="png", cast_shadow=False, receive_shadow=False
         )
+
+    def _forget_depth(self) -> None:
+        """What is made of depth pixels is made anew when it is asked for."""
+        for handle in (self._points.pop("cloud", None), self._surfaces.pop("mesh", None)):
+            if handle is not None:
+                handle.remove()
 
     def _clear(self) -> None:
         for handle in (*self._points.values(), *self._surfaces.values(), self._grid):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from slam.camera import Camera
 from slam.errors import DatabaseError
 from slam.geometry import Pose
+from slam.maps.depth_edges import without_edges
 from slam.maps.point_cloud import Colors, Points, node_cloud
 
 #: Points of all clouds of an ordinary map, and of one cloud.
@@ -22,8 +23,6 @@ _FAR_M = 6.0
 #: Points this much higher than the camera are a ceiling to whoever looks down on the map.
 _CEILING_M = 0.9
 _LEAST_LEFT = 200
-#: A step of depth, as a share of the depth, that no floor makes: points at such edges hang in the air.
-_JUMP = 0.07
 _FINEST_M = 0.01
 
 
@@ -53,7 +52,7 @@ def view_points(
         raise DatabaseError("the calibration does not say the size of its image: its depth has no place")
     step = max(1, round(depth_m.shape[1] / (_FINE_COLUMNS if most > 2 * _LEAST else _COLUMNS)))
     focal_px = camera.fx * depth_m.shape[1] / camera.width
-    points, colours = node_cloud(image_bgr, _without_edges(depth_m, step), camera, step, _FAR_M)
+    points, colours = node_cloud(image_bgr, without_edges(depth_m, step), camera, step, _FAR_M)
     if not len(points):
         return CloudPoints(points, colours, _FINEST_M)
     distance = float(np.median(np.linalg.norm(points - camera.T_base_cam[:3, 3], axis=1)))
@@ -64,19 +63,6 @@ def view_points(
         points, colours = points[below_ceiling], colours[below_ceiling]
     kept, side = spread_points(points, most)
     return CloudPoints(points[kept], colours[kept], max(side, distance * step / focal_px))
-
-
-def _without_edges(depth_m: NDArray[np.float32], step: int) -> NDArray[np.float32]:
-    """Depth (H, W) whose every ``step``-th pixel is 0 where a neighbour among these is much nearer or farther."""
-    kept = depth_m.copy()
-    seen, used = depth_m[::step, ::step], kept[::step, ::step]
-    for one, other in ((seen[1:], seen[:-1]), (seen[:, 1:], seen[:, :-1])):
-        jump = np.abs(one - other) > _JUMP * np.minimum(one, other)
-        jump &= (one > 0) & (other > 0)
-        rows, columns = jump.shape
-        used[-rows:, -columns:][jump] = 0.0
-        used[:rows, :columns][jump] = 0.0
-    return kept
 
 
 def spread_points(points: Points, most: int) -> tuple[NDArray[np.int64], float]:

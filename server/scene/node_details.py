@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from server.scene.cloud_points import spread_points
 from server.scene.colours import Theme
+from server.schemas.scene import DepthUse
 from slam.database import MapReader
 from slam.errors import DatabaseError
+from slam.maps.depth_edges import without_edges
 from slam.maps.point_cloud import Colors, Points, node_cloud
 from slam.maps.views import View, node_views
 
@@ -32,14 +34,14 @@ class DetailPoints:
     size: float
 
 
-def dense_points(reader: MapReader, node_id: int) -> DetailPoints:
-    """Every pixel with depth of all cameras of a node; every so manieth where it has more than can be shown.
+def dense_points(reader: MapReader, node_id: int, use: DepthUse) -> DetailPoints:
+    """The pixels with depth of all cameras of a node; every so manieth where it has more than can be shown.
 
     Raises:
         SlamError: images can't be read.
     """
     views = node_views(reader, node_id)
-    each = [_view_points(view, _MOST_CLOUD // len(views)) for view in views]
+    each = [_view_points(view, _MOST_CLOUD // len(views), use) for view in views]
     return DetailPoints(
         np.concatenate([part.points for part in each]),
         np.concatenate([part.colours for part in each]),
@@ -47,11 +49,12 @@ def dense_points(reader: MapReader, node_id: int) -> DetailPoints:
     )
 
 
-def _view_points(view: View, most: int) -> DetailPoints:
+def _view_points(view: View, most: int, use: DepthUse) -> DetailPoints:
     if not view.camera.width or not view.camera.height:
         raise DatabaseError("the calibration does not say the size of its image: its depth has no place")
-    step = max(1, int(np.ceil((view.depth_m.size / most) ** 0.5)))
-    points, colours = node_cloud(view.image_bgr, view.depth_m, view.camera, step, _FAR_M)
+    step = max(use.every, int(np.ceil((view.depth_m.size / most) ** 0.5)))
+    depth_m = view.depth_m if use.edges else without_edges(view.depth_m)
+    points, colours = node_cloud(view.image_bgr, depth_m, view.camera, step, use.far_m or _FAR_M)
     distance = float(np.median(np.linalg.norm(points, axis=1))) if len(points) else 1.0
     focal_px = view.camera.fx * view.depth_m.shape[1] / view.camera.width
     return DetailPoints(points, colours, max(_LEAST_M, 0.9 * distance * step / focal_px))

@@ -9,10 +9,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from server.schemas.scene import DepthUse
 from slam.camera import Camera
 from slam.database import MapReader
 from slam.errors import DatabaseError
 from slam.geometry import Pose
+from slam.maps.depth_edges import without_edges
 from slam.maps.local_grid import level
 from slam.maps.point_cloud import Colors, Points, node_cloud
 from slam.maps.views import View, node_views
@@ -46,7 +48,7 @@ class Surface:
     picture: Colors
 
 
-def node_mesh(reader: MapReader, node_id: int) -> Surface:
+def node_mesh(reader: MapReader, node_id: int, use: DepthUse) -> Surface:
     """Neighbouring pixels with depth joined by triangles, in the base frame, in the colours of the image.
 
     Two triangles for each square of pixels, as in PCL's OrganizedFastMesh; those that are seen edge-on are left out.
@@ -55,7 +57,7 @@ def node_mesh(reader: MapReader, node_id: int) -> Surface:
         SlamError: images can't be read, or there is no depth.
     """
     views = node_views(reader, node_id)
-    parts = [_view_mesh(view, _MOST // len(views)) for view in views]
+    parts = [_view_mesh(view, _MOST // len(views), use) for view in views]
     starts = np.cumsum([0, *(len(part.corners) for part in parts[:-1])])
     # The pictures of several cameras lie side by side again.
     sides = [(part.places + np.array([at, 0.0])) / np.array([len(parts), 1.0]) for at, part in enumerate(parts)]
@@ -133,13 +135,14 @@ def _points(reader: MapReader, node_id: int) -> NDArray[np.float64]:
     return scan.points_base.astype(np.float64)
 
 
-def _view_mesh(view: View, most: int) -> Surface:
-    step = max(1, int(np.ceil((view.depth_m.size / most) ** 0.5)))
-    seen = view.depth_m[::step, ::step]
-    known = np.isfinite(seen) & (seen > 0) & (seen <= _FAR_M)
+def _view_mesh(view: View, most: int, use: DepthUse) -> Surface:
+    step, far_m = max(use.every, int(np.ceil((view.depth_m.size / most) ** 0.5))), use.far_m or _FAR_M
+    depth_m = view.depth_m if use.edges else without_edges(view.depth_m)
+    seen = depth_m[::step, ::step]
+    known = np.isfinite(seen) & (seen > 0) & (seen <= far_m)
     if not known.any():
-        raise DatabaseError("the depth image has no pixel with depth")
-    points, _ = node_cloud(view.image_bgr, view.depth_m, _sized(view.camera), step, _FAR_M)
+        raise DatabaseError(f"the depth image has no such pixel with depth up to {far_m:g} m")
+    points, _ = node_cloud(view.image_bgr, depth_m, _sized(view.camera), step, far_m)
     index = np.full(seen.shape, -1)
     index[known] = np.arange(len(points))
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]

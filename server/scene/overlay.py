@@ -61,7 +61,9 @@ class OverlayLayer:
     def _send(self, snapshot: Snapshot, node_id: int, T_map_base: Pose, rgb: Rgb, of: OverlayPoints) -> None:
         images = {*snapshot.reader.nodes_with("image").tolist()} & {*snapshot.reader.nodes_with("depth").tolist()}
         try:
-            usable = of == "cloud" and node_id in images and node_id in snapshot.calibrated
+            # Where there is no scan depth stands in for it, as a scan for depth; the page says so.
+            wanted = of == "cloud" or node_id not in snapshot.scanned
+            usable = wanted and node_id in images and node_id in snapshot.calibrated
             cloud = node_points(snapshot.reader, node_id, T_map_base, _POINTS, images=usable)
         except SlamError:
             # A node without a cloud: the other one is shown alone.

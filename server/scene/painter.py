@@ -205,6 +205,7 @@ class Painter:
                 state.node_parts,
                 self._floor.height,
                 picture.look,
+                state.depth,
             )
         self._shown = picture
 

@@ -30,6 +30,7 @@ from server.schemas.edits import (
 )
 from server.schemas.graph import Graph, LinkColumns, NodeColumns, NodeValues, ValueNames
 from server.schemas.links import (
+    KnownLink,
     LinkDetail,
     LinkMatches,
     LinkWalk,
@@ -63,7 +64,7 @@ from server.schemas.nodes import (
 from server.schemas.optimising import GraphState, KeepPoses, OptimiseAsk, Optimised, ShownOptimisation, TurnMap
 from server.schemas.parameters import Parameter, ParameterChanges, ParameterChoice, ParameterSet
 from server.schemas.pieces import BestGuess, Component, Components, NearMiss
-from server.schemas.scene import Colouring, LayerChange, Scene, SceneChange, SceneLayers
+from server.schemas.scene import Colouring, DepthUse, LayerChange, Scene, SceneChange, SceneLayers
 from server.schemas.session import Session, SessionCommand, StartRun
 from server.schemas.statistics import Hypothesis, StatisticNames, Statistics, TimelineEvent, TimelineUpdates
 from server.schemas.trials import (
@@ -94,6 +95,7 @@ __all__ = [
     "DecisionAction",
     "DecisionEffect",
     "DecisionResult",
+    "DepthUse",
     "DetectOptions",
     "EditedLink",
     "ErrorBody",
@@ -111,6 +113,7 @@ __all__ = [
     "KeepPoses",
     "KeepTrial",
     "KeptTrial",
+    "KnownLink",
     "Landmark",
     "Landmarks",
     "LayerChange",

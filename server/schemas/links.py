@@ -135,7 +135,18 @@ class LinkDetail(Schema):
     user_data: UserData | None
     problem: str
     """What is stored with it and can't be read, with the reason; empty where all can."""
+    scans: list[bool]
+    """Whether the first node has points of a scanner, and whether the second has."""
     walk: LinkWalk
+
+
+class KnownLink(Schema):
+    """What is known of a pair of nodes."""
+
+    link: LinkDetail | None
+    """None where they are not linked, and no loop between them was looked at."""
+    note: str
+    """Why there is none."""
 
 
 class LinkWalk(Schema):

@@ -24,6 +24,17 @@ LinkClass = Literal["neighbor", "loop", "proximity", "time", "user", "virtual", 
 NodePart = Literal["cloud", "mesh", "words", "scan", "grid", "elevation", "frustum"]
 
 
+class DepthUse(Schema):
+    """Which pixels of depth images become the cloud and the mesh of a node close up."""
+
+    every: Literal[1, 2, 4, 8] = 1
+    """Every so manieth of a row, and row."""
+    far_m: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    """None farther away than this, metres; 0 for no limit."""
+    edges: bool = True
+    """Those at the edges of things as well, which may hang in the air behind them."""
+
+
 class SceneLayers(Schema):
     """Which layers are shown."""
 
@@ -47,6 +58,8 @@ class Scene(Schema):
     selected_link: Pair | None = None
     node_parts: list[NodePart] = Field(default_factory=lambda: list[NodePart](["frustum"]))
     """What is shown of the selected node close up."""
+    depth: DepthUse = Field(default_factory=DepthUse)
+    """Of which pixels its cloud and its mesh are made."""
     alone: bool = False
     """Whether the selected node is shown without the map around it."""
     what_if: float | None = None
@@ -56,7 +69,7 @@ class Scene(Schema):
     overlay: Overlay | None = None
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
     overlay_of: OverlayPoints = "cloud"
-    """Of what those clouds are: of depth images, and scans where there are none, or of scans alone."""
+    """Of what those clouds are: of depth images, or of scans; of the other where a node has none of these."""
     at: int | None = None
     """The node of the update that is shown; null for the map as it is now."""
     hidden_links: list[LinkClass] = Field(default_factory=list)
@@ -92,6 +105,7 @@ class SceneChange(Schema):
     selected_node: int | None = None
     selected_link: Pair | None = None
     node_parts: list[NodePart] | None = None
+    depth: DepthUse | None = None
     alone: bool | None = None
     what_if: Annotated[float, Field(ge=0, le=1)] | None = None
     trial: Annotated[int, Field(ge=1)] | None = None

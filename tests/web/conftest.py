@@ -95,7 +95,9 @@ def open_page(browser: Browser) -> Iterator[OpenPage]:
     wrong: list[str] = []
 
     def leave_empty(route: Route) -> None:
-        route.fulfill(body="<!doctype html>", content_type="text/html")
+        # Without this header the browser keeps it from the isolated frame around it, as it does with errors.
+        headers = {"Content-Type": "text/html", "Document-Isolation-Policy": "isolate-and-require-corp"}
+        route.fulfill(body='<!doctype html><div id="root"></div>', headers=headers)
 
     def note_error(error: Error) -> None:
         # viser tries whether it may compile text into code, and does without when it may not.

@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
 from tests.web.conftest import OpenPage, until
 from tests.web.served import SMALL_TOUR, Served
@@ -49,6 +49,24 @@ def test_a_server_that_is_gone_is_said_and_reconnected_to(
         expect(gone).to_be_hidden(timeout=SLOW)
     finally:
         again.close()
+
+
+def test_a_3d_view_that_does_not_come_says_so_and_is_tried_again(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library, "#/map/flat/nodes")
+    gone = page.locator(".scene-gone")
+    for document in ("**/viser/**", "**/frame.html*"):
+
+        def refuse(route: Route) -> None:
+            route.fulfill(status=500, body="{}", content_type="application/json")
+
+        page.route(document, refuse)
+        page.reload()
+        expect(gone).to_contain_text("The 3D view did not come")
+        page.unroute(document, refuse)
+        gone.get_by_role("button", name="Try again").click()
+        view = page.frame_locator("iframe.scene-frame").frame_locator("iframe")
+        expect(view.locator("#root")).to_be_attached()
+        expect(gone).to_be_hidden()
 
 
 def test_a_browser_without_a_valid_token_is_told_where_to_get_one(

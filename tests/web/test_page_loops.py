@@ -77,7 +77,7 @@ def test_keys_walk_through_the_queue(library: Served, open_page: OpenPage) -> No
     # From a loop to odometry's link at its node: the queue does not list it, and it is walked along the path.
     page.get_by_role("navigation", name="Links along the path").get_by_role("link", name="The odometry link").click()
     walk = page.get_by_role("navigation", name="Links along the path")
-    expect(walk).to_contain_text(re.compile(r"Odometry link \d+ of \d+"))
+    expect(walk).to_contain_text(re.compile(r"Odometry link \d+ of \d+ along the path"))
     from_id, to_id = (int(i) for i in page.url.rsplit("/", 1)[1].split("-"))
     page.keyboard.press("k")
     expect(page).to_have_url(re.compile(rf"/loops/{from_id - 1}-{to_id - 1}$"))

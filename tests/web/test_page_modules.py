@@ -92,11 +92,11 @@ def test_a_row_that_is_here_is_found_and_told_of_at_once(modules: Page) -> None:
     code = """(() => {
         const rows = Object.assign(new m.Window("tour"), {loaded: true});
         rows.pages.set(0, a.map((id) => ({id})));
-        const before = rows.revision.value;
+        const [before, at] = [rows.revision.value, rows.indexOf(a[1])];
         rows.seek(a[1]);
-        return [rows.sought(), rows.revision.value > before];
+        return [at, rows.indexOf(a[1]), rows.indexOf(a[1] + 1), rows.revision.value > before];
     })()"""
-    assert call(modules, "window.js", code, [5, 7]) == [1, True]
+    assert call(modules, "window.js", code, [5, 7]) == [1, 1, -1, True]
 
 
 @pytest.mark.parametrize("text", ["", "#", "#/nowhere", "#/map", "#/map/tour/nowhere/5", "#/%E0%A4%A"])
@@ -189,3 +189,9 @@ def test_only_one_value_in_a_hundred_is_cut_off_a_chart_and_only_if_it_flattens_
     elif len(most) < 200:
         assert most[0] <= 4 * most[1]
     assert call(modules, "parts/chart_range.js", "m.ceiling([a], 0, 18)", values) is None
+
+
+def test_a_time_axis_has_no_label_in_the_corner(modules: Page) -> None:
+    labels = "m.seconds({valToPos: (at) => at * a}, [0, 10, 60, 120, 605])"
+    assert call(modules, "parts/chart.js", labels, 2) == ["", "10 s", "60 s", "2:00", "10:05"]
+    assert call(modules, "parts/chart.js", labels, 0.5)[:2] == ["", ""], "nor one that would reach into it"

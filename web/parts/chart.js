@@ -37,6 +37,8 @@ import { ceilingOf, yRange } from "./chart_range.js";
  * @property {(index: number | null) => void} [onCursor]
  */
 
+/** Half of the width of a label of seconds. */
+const HALF_LABEL_PX = 12;
 const CURSOR = "slamdeck";
 const CURSOR_TIME = "slamdeck time";
 
@@ -140,9 +142,12 @@ function fewSplits(_, __, low, high) {
   return splits;
 }
 
-/** @param {uPlot} _ @param {number[]} splits */
-function seconds(_, splits) {
-  return splits.map((at) => (Math.abs(at) >= 120 ? `${Math.floor(at / 60)}:${String(at % 60).padStart(2, "0")}` : `${at} s`));
+/**
+ * What stands below a chart over time. The label at its left end would touch that of the other axis.
+ * @param {Pick<uPlot, "valToPos">} u @param {number[]} splits
+ */
+export function seconds(u, splits) {
+  return splits.map((at) => (u.valToPos(at, "x") < HALF_LABEL_PX ? "" : Math.abs(at) >= 120 ? `${Math.floor(at / 60)}:${String(at % 60).padStart(2, "0")}` : `${at} s`));
 }
 
 /** @param {uPlot} u @param {{current: ChartProps}} latest @param {(zoomed: boolean) => void} setZoomed */

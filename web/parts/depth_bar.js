@@ -1,6 +1,8 @@
 // The choice of how depth looks, the same for all nodes.
-import { html } from "../html.js";
-import { DEPTH_COLOURS, depthColours, farthest, nearest, secondShown, veil } from "../depth_look.js";
+import { h, html } from "../html.js";
+import { DEPTH_COLOURS, depthColours, farthest, nearest, secondShown, veil, withEdges } from "../depth_look.js";
+import { Chip } from "./button.js";
+import { metres } from "./inputs.js";
 
 /** @typedef {{currentTarget: HTMLInputElement}} Changed */
 
@@ -21,27 +23,12 @@ export function DepthLook({ seconds }) {
         ${DEPTH_COLOURS.map((name) => html`<option key=${name} value=${name}>${name}</option>`)}
       </select>
     </label>
-    ${metres("Nearest depth in metres", "0", nearest)}<span class="quiet small">to</span>${metres("Farthest depth in metres, empty to fit", "auto", farthest)}<span class="quiet small">m</span>
+    ${metres("Nearest depth in metres", "0", nearest.value, (value) => (nearest.value = value))}<span class="quiet small">to</span>${metres("Farthest depth in metres, empty to fit", "auto", farthest.value, (value) => (farthest.value = value))}<span class="quiet small">m</span>
+    ${h(Chip, { label: "Edges", hint: "Pixels at the edges of things, which may lie between two surfaces", on: withEdges.value, onChange: (on) => (withEdges.value = on) })}
     <span class="grow"></span>
     <label class="veil small quiet" title="How much of the depth lies over the colour image">
       over colour
       <input type="range" min="0" max="1" step="0.05" aria-label="Depth over colour" value=${veil.value} onInput=${(/** @type {Changed} */ { currentTarget }) => (veil.value = Number(currentTarget.value))} />
     </label>
   </div>`;
-}
-
-/** @param {string} label @param {string} empty @param {import("@preact/signals").Signal<number>} kept */
-function metres(label, empty, kept) {
-  return html`<input
-    class="field number"
-    type="number"
-    min="0"
-    max="1000"
-    step="0.1"
-    aria-label=${label}
-    title=${label}
-    placeholder=${empty}
-    value=${kept.value || ""}
-    onChange=${(/** @type {Changed} */ { currentTarget }) => (kept.value = Math.max(0, Math.min(1000, Number(currentTarget.value) || 0)))}
-  />`;
 }

@@ -49,3 +49,19 @@ export function numbers(fields) {
   // A field that is empty leaves it at what the engine takes.
   return Object.fromEntries(Object.entries(fields).filter(([, value]) => value !== "").map(([name, value]) => [name, worth(value)]));
 }
+
+/** A number of metres; empty is 0. @param {string} label @param {string} empty @param {number} value @param {(value: number) => void} change */
+export function metres(label, empty, value, change) {
+  return html`<input
+    class="field number"
+    type="number"
+    min="0"
+    max="1000"
+    step="0.1"
+    aria-label=${label}
+    title=${label}
+    placeholder=${empty}
+    value=${value || ""}
+    onChange=${(/** @type {InputEvent} */ { currentTarget }) => change(Math.max(0, Math.min(1000, Number(currentTarget.value) || 0)))}
+  />`;
+}

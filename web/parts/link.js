@@ -15,7 +15,7 @@ import { ALIKE, SUSPECT, sigmaText } from "./loop_columns.js";
 import { MatchPicture } from "./matches.js";
 import { Overlay } from "./overlay.js";
 import { Poses } from "./pose.js";
-import { Failed, Loading } from "./state.js";
+import { Empty, Failed, Loading } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
 
 /** @typedef {import("../store.js").Schemas["LinkDetail"]} LinkDetail */
@@ -34,16 +34,17 @@ import { useChanged, useFetched } from "./use.js";
 export function LinkEvidence({ map, link, row, onStep, onDecided }) {
   const [from, to] = link.split("-").map(Number);
   const { data, error, reload } = useFetched(
-    (signal) => get("/api/maps/{map}/links/{from_id}/{to_id}", { path: { map, from_id: from, to_id: to }, signal }),
+    (signal) => get("/api/maps/{map}/links/{from_id}/{to_id}/known", { path: { map, from_id: from, to_id: to }, signal }),
     [map, from, to],
   );
   useChanged(graphRevision, reload, 300);
-  const found = data.value;
+  const found = data.value?.link ?? null;
   const decided = () => (reload(), onDecided());
   // A link that the queue does not list is walked along the path.
   const step = (/** @type {number} */ by) => (row ? onStep(by) : walkOn(found?.walk, by));
   useKeys(row ? {} : { j: () => step(1), k: () => step(-1) });
   if (error.value) return h(Failed, { error: error.value, what: `Link ${from} → ${to} can't be shown.`, onRetry: reload });
+  if (data.value && !found) return h(NoLink, { from, to, note: data.value.note });
   // The row of the queue knows enough to decide before the evidence is here.
   const known = found ?? row;
   return html`<section class="evidence" aria-label=${`Link ${from} to ${to}`}>
@@ -52,12 +53,18 @@ export function LinkEvidence({ map, link, row, onStep, onDecided }) {
   </section>`;
 }
 
+/** @param {{from: number, to: number, note: string}} props */
+function NoLink({ from, to, note }) {
+  const href = linkTo({ view: "loops", query: { tab: "link", from: String(from), to: String(to) } });
+  return h(Empty, { icon: "loops", title: `There is no link ${from} → ${to}`, children: html`${note}. <a href=${href}>Link two nodes by hand</a>` });
+}
+
 /** @param {string} map @param {LinkDetail} found */
 function details(map, found) {
   const { from, to, transform, update, posterior } = found;
   return html`${h(WalkLine, { walk: found.walk })}${h(MatchPicture, { map, from, to })}
     <p class=${`why why-${tone(found)}`} id="why">${found.explanation}</p>
-    ${h(Overlay, { from, to, measured: transform !== null })}
+    ${h(Overlay, { from, to, measured: transform !== null, scans: found.scans })}
     ${h(Facts, { facts: facts(found) })}
     ${transform && h(Poses, { rows: compared(found) })} ${found.problem && html`<p class="ink-bad small">${found.problem}</p>`}
     ${update !== null && posterior !== null && h(Belief, { map, update, place: from === update ? to : from })}

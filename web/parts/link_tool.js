@@ -13,6 +13,7 @@ import { Facts } from "./facts.js";
 import { CheckField, GUESSES, METHODS, NumberField, SelectField } from "./inputs.js";
 import { PointPairs } from "./point_pairs.js";
 import { rollPitchYaw, rotationText, translationText } from "./pose.js";
+import { Failed } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
 
 /** @typedef {import("../store.js").Schemas["LinkEditResult"]} Result */
@@ -67,13 +68,15 @@ export function LinkTool({ map, onDone }) {
 /** @param {{map: string, from: number, to: number, onDone: () => void, key?: unknown}} props */
 function Ends({ map, from, to, onDone }) {
   const { data, error, reload } = useFetched(
-    (signal) => get("/api/maps/{map}/links/{from_id}/{to_id}", { path: { map, from_id: from, to_id: to }, signal }),
+    (signal) => get("/api/maps/{map}/links/{from_id}/{to_id}/known", { path: { map, from_id: from, to_id: to }, signal }),
     [map, from, to],
   );
   useChanged(graphRevision, reload, 300);
-  if (!data.value && !error.value) return html`<p class="quiet pad">Looking at both nodes…</p>`;
+  if (error.value) return h(Failed, { error: error.value, what: "These nodes can't be looked at.", onRetry: reload });
+  if (!data.value) return html`<p class="quiet pad">Looking at both nodes…</p>`;
   // A pair that was looked at and is not in the graph has no residual.
-  const known = data.value !== null && data.value.residual_sigma !== null ? data.value : null;
+  const { link } = data.value;
+  const known = link !== null && link.residual_sigma !== null ? link : null;
   return h(Form, { key: known ? "known" : "new", map, from, to, known, onDone: () => (reload(), onDone()) });
 }
 

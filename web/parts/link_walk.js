@@ -19,9 +19,9 @@ export function WalkLine({ walk }) {
       ? html`<a href=${link({ view: "loops", key: pair.join("-"), query: Object.fromEntries(route.value.query) })} title=${hint} aria-label=${hint}>${label}</a>`
       : html`<span class="quiet" aria-hidden="true">${label}</span>`;
   const name = loops ? "loop" : "odometry link";
-  const place = index === null ? `not in the graph, which has ${text.plural(total, name)}` : `${loops ? "Loop" : "Odometry link"} ${text.whole(index)} of ${text.whole(total)}`;
+  const place = index === null ? `Not among the ${text.plural(total, name)}` : `${loops ? "Loop" : "Odometry link"} ${text.whole(index)} of ${text.whole(total)}`;
   return html`<nav class="walk small" aria-label="Links along the path">
-    <span class="quiet">${place}</span>
+    <span class="quiet" title="In the order of nodes; the queue has an order of its own">${place} along the path</span>
     ${to(previous, "‹ before", `The ${name} before along the path`)} ${to(next, "after ›", `The ${name} after it along the path`)}
     <span class="grow"></span>
     ${to(other, loops ? "odometry here" : "loops near by", loops ? "The odometry link at this node" : "The next loop along the path")}

@@ -67,7 +67,7 @@ export function ChoiceBar({ choice, rows, onDone }) {
   const ask = (/** @type {Wanted} */ wanted) => setAsked({ wanted, ids });
   return html`<div class="view-tools bulk choice" id="choice">
     <div class="form-row">
-      <span class="small ${ids.length ? "" : "quiet"} grow clip" role="status" title="Shift click chooses all rows as far as there, Ctrl click one more">${ids.length ? html`<b>${text.plural(ids.length, "node")}</b> chosen` : "Several: Shift, Ctrl"}</span>
+      <span class="small ${ids.length ? "" : "quiet"} grow clip" role="status" title="Shift click chooses all rows as far as there, Ctrl click one more">${ids.length ? html`<b>${text.plural(ids.length, "node")}</b> chosen` : html`<span class="with-keys">Several: Shift, Ctrl</span><span class="without-keys">Several</span>`}</span>
       ${h(NumberField, { label: "Stretch", value: first, step: "1", hint: "First node of a stretch", onChange: setFirst })}
       ${h(NumberField, { label: "to", value: last, step: "1", hint: "Last node of a stretch", onChange: setLast })}
       ${h(Button, { id: "choose-stretch", label: "Choose", hint: "All nodes from the one to the other", disabled: !(Number(first) > 0 && Number(last) >= Number(first)), onClick: () => void stretch() })}

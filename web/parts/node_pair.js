@@ -104,7 +104,7 @@ function Both({ map, first, other, common }) {
       ${[first, other].some(({ has_depth, has_right }) => has_depth || has_right) && h(DepthLook, { seconds: [...new Set([...secondsOf(first), ...secondsOf(other)])] })}
       ${large && h(Lightbox, { title: `Nodes ${first.id} and ${other.id}`, close: () => setLarge(false), children: picture })}
     </figure>
-    ${h(Overlay, { from: first.id, to: other.id, measured: common.links.some(({ transform }) => transform !== null) })}
+    ${h(Overlay, { from: first.id, to: other.id, measured: common.links.some(({ transform }) => transform !== null), scans: [first, other].map(({ sensors }) => Boolean(sensors.scan?.points)) })}
     ${h(Differences, { common })} ${h(Between, { first, other, common })} ${h(Beside, { first, other })}
   </div>`;
 }

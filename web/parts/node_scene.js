@@ -3,6 +3,7 @@ import { h, html } from "../html.js";
 import { lookAtSelected, setScene } from "../actions.js";
 import { scene } from "../store.js";
 import { Button, Chip } from "./button.js";
+import { metres } from "./inputs.js";
 
 /** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
 /** @typedef {NonNullable<import("../store.js").Schemas["Scene"]["node_parts"]>[number]} Part */
@@ -34,5 +35,27 @@ export function NodeScene({ node }) {
     <span class="grow"></span>
     ${h(Chip, { label: "Alone", hint: "Without the map around it", on: Boolean(now?.alone), disabled: !now, onChange: (on) => void setScene({ alone: on }) })}
     ${h(Button, { id: "look", label: "Look", hint: "Bring the camera of the 3D view to this node", disabled: !now || !node.pose, onClick: () => void lookAtSelected() })}
+    ${now && hasCloud(node) && (parts.includes("cloud") || parts.includes("mesh")) && h(DepthUse, { use: now.depth ?? ALL_PIXELS })}
+  </div>`;
+}
+
+/** @typedef {import("../store.js").Schemas["DepthUse"]} Use */
+
+/** @type {Required<Use>} */
+const ALL_PIXELS = { every: 1, far_m: 0, edges: true };
+/** @type {[NonNullable<Use["every"]>, string][]} */
+const EVERY = [[1, "every pixel"], [2, "every 2nd"], [4, "every 4th"], [8, "every 8th"]];
+
+/** Of which pixels cloud and mesh are made, the same for all nodes. @param {{use: Use}} props */
+function DepthUse({ use }) {
+  const change = (/** @type {Partial<Use>} */ next) => void setScene({ depth: { ...ALL_PIXELS, ...use, ...next } });
+  return html`<div class="picture-bar depth-use" role="group" aria-label="Pixels of the cloud">
+    <label class="chip chip-select" title="Of each row, and rows">
+      <select aria-label="How many pixels" value=${String(use.every)} onChange=${(/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) => change({ every: EVERY[currentTarget.selectedIndex][0] })}>
+        ${EVERY.map(([every, label]) => html`<option key=${every} value=${String(every)}>${label}</option>`)}
+      </select>
+    </label>
+    <label class="small quiet">up to ${metres("Farthest pixel in metres, empty for all", "all", use.far_m ?? 0, (far_m) => change({ far_m }))} m</label>
+    ${h(Chip, { label: "Edges", hint: "Pixels at the edges of things, which may hang in the air behind them", on: use.edges ?? true, onChange: (edges) => change({ edges }) })}
   </div>`;
 }

@@ -10,9 +10,11 @@ const WAYS = /** @type {["link" | "poses", string, string][]} */ ([
   ["poses", "by the poses", "Both clouds where the optimised graph has their nodes"],
 ]);
 
-/** @param {{from: number, to: number, measured: boolean}} props */
-export function Overlay({ from, to, measured }) {
+/** @param {{from: number, to: number, measured: boolean, scans: boolean[]}} props scans: whether each node has points of a scanner */
+export function Overlay({ from, to, measured, scans }) {
   const now = scene.value?.overlay ?? null;
+  const asked = scene.value?.overlay_of === "scan";
+  const without = [from, to].filter((_, at) => !scans[at]);
   useEffect(() => () => void (scene.peek()?.overlay && setScene({ overlay: null })), []);
   return html`<div class="picture-bar overlay-bar" role="group" aria-label="Clouds in the 3D view">
     <span class="quiet small">Clouds</span>
@@ -32,8 +34,9 @@ export function Overlay({ from, to, measured }) {
     h(Chip, {
       label: "Scans",
       hint: "The points of their scanners in place of those of depth images",
-      on: scene.value?.overlay_of === "scan",
+      on: asked,
       onChange: (on) => void setScene({ overlay_of: on ? "scan" : "cloud", overlay: now ?? (measured ? "link" : "poses"), selected_link: [from, to] }),
     })}
+    ${asked && now !== null && without.length > 0 && html`<span class="small ink-warn" role="status">${without.length === 2 ? "no scans here" : `no scan of ${without[0]}`}: points of depth images</span>`}
   </div>`;
 }

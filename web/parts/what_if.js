@@ -129,12 +129,11 @@ function facts({ graph, precision, recall, ate_now_m: now }) {
 /** @returns {import("./table.js").TableColumn<Loop>[]} */
 function columns() {
   return [
-    { key: "outcome", label: "Outcome", width: "66px", sortable: true, cell: ({ outcome }) => h(Badge, { tone: OUTCOMES[outcome][0], hint: OUTCOMES[outcome][2], children: OUTCOMES[outcome][1] }) },
-    { key: "from", label: "Nodes", width: "92px", sortable: true, cell: ({ from, to }) => html`${from} <span class="quiet">→</span> ${to}` },
-    { key: "value", label: "P", width: "44px", sortable: true, number: true, hint: "What the threshold is compared with", cell: ({ value }) => text.fixed(value, 3) },
-    { key: "inliers", label: "Inliers", width: "46px", sortable: true, number: true, cell: ({ inliers }) => text.whole(inliers) },
-    { key: "true", label: "True", width: "38px", sortable: true, hint: "What ground truth or a person says of it", cell: ({ true: is }) => (is === null ? html`<span class="quiet">?</span>` : html`<span class=${is ? "ink-good" : "ink-bad strong"}>${is ? "yes" : "no"}</span>`) },
-    { key: "reason", label: "Why", width: "minmax(60px, 1fr)", cell: ({ reason }) => html`<span class="quiet clip" title=${reason}>${reason}</span>` },
+    { key: "outcome", label: "Outcome", width: "60px", sortable: true, cell: ({ outcome }) => h(Badge, { tone: OUTCOMES[outcome][0], hint: OUTCOMES[outcome][2], children: OUTCOMES[outcome][1] }) },
+    { key: "from", label: "Nodes", width: "86px", sortable: true, cell: ({ from, to }) => html`${from} <span class="quiet">→</span> ${to}` },
+    { key: "value", label: "P", width: "38px", sortable: true, number: true, hint: "What the threshold is compared with", cell: ({ value }) => text.fixed(value, 3) },
+    { key: "true", label: "True", width: "30px", sortable: true, hint: "What ground truth or a person says of it", cell: ({ true: is }) => (is === null ? html`<span class="quiet">?</span>` : html`<span class=${is ? "ink-good" : "ink-bad strong"}>${is ? "yes" : "no"}</span>`) },
+    { key: "inliers", label: "Inliers, or why not", width: "minmax(120px, 1fr)", sortable: true, hint: "Sorted by inliers", cell: ({ inliers, reason }) => html`<span class="why-cell quiet" title=${reason}>${reason || (inliers === null ? text.NONE : text.plural(inliers, "inlier"))}</span>` },
   ];
 }
 

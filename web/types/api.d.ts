@@ -312,6 +312,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/links/{from_id}/{to_id}/known": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Known Link
+         * @description The same, or that nothing is known of the pair.
+         */
+        get: operations["get_known_link"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/links/{from_id}/{to_id}/matches": {
         parameters: {
             query?: never;
@@ -1466,6 +1486,31 @@ export interface components {
             revision: number | null;
         };
         /**
+         * DepthUse
+         * @description Which pixels of depth images become the cloud and the mesh of a node close up.
+         */
+        DepthUse: {
+            /**
+             * Edges
+             * @description Those at the edges of things as well, which may hang in the air behind them.
+             * @default true
+             */
+            edges: boolean;
+            /**
+             * Every
+             * @description Every so manieth of a row, and row.
+             * @default 1
+             * @enum {integer}
+             */
+            every: 1 | 2 | 4 | 8;
+            /**
+             * Far M
+             * @description None farther away than this, metres; 0 for no limit.
+             * @default 0
+             */
+            far_m: number;
+        };
+        /**
          * DetectOptions
          * @description More loop closures: what is looked for.
          */
@@ -1832,6 +1877,19 @@ export interface components {
             map: string;
         };
         /**
+         * KnownLink
+         * @description What is known of a pair of nodes.
+         */
+        KnownLink: {
+            /** @description None where they are not linked, and no loop between them was looked at. */
+            link: components["schemas"]["LinkDetail"] | null;
+            /**
+             * Note
+             * @description Why there is none.
+             */
+            note: string;
+        };
+        /**
          * Landmark
          * @description A tag or marker that nodes saw.
          */
@@ -1960,6 +2018,11 @@ export interface components {
             residual_sigma: number | null;
             /** Rotation Deg */
             rotation_deg: number | null;
+            /**
+             * Scans
+             * @description Whether the first node has points of a scanner, and whether the second has.
+             */
+            scans: boolean[];
             /** Sigma Deg */
             sigma_deg: number[] | null;
             /** Sigma M */
@@ -3252,6 +3315,8 @@ export interface components {
              * @default true
              */
             dark: boolean;
+            /** @description Of which pixels its cloud and its mesh are made. */
+            depth?: components["schemas"]["DepthUse"];
             /** Hidden Links */
             hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[];
             /** Hidden Sessions */
@@ -3271,7 +3336,7 @@ export interface components {
             overlay?: ("link" | "poses") | null;
             /**
              * Overlay Of
-             * @description Of what those clouds are: of depth images, and scans where there are none, or of scans alone.
+             * @description Of what those clouds are: of depth images, or of scans; of the other where a node has none of these.
              * @default cloud
              * @enum {string}
              */
@@ -3323,6 +3388,7 @@ export interface components {
             colour?: string | null;
             /** Dark */
             dark?: boolean | null;
+            depth?: components["schemas"]["DepthUse"] | null;
             /** Hidden Links */
             hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[] | null;
             /** Hidden Sessions */
@@ -5173,6 +5239,76 @@ export interface operations {
             };
         };
     };
+    get_known_link: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                from_id: number;
+                to_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["KnownLink"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_link_matches: {
         parameters: {
             query?: never;
@@ -5957,6 +6093,8 @@ export interface operations {
                 /** @description Depth of the first colour. */
                 min?: number;
                 colours?: "turbo" | "viridis" | "jet" | "gray";
+                /** @description Pixels at the edges of things as well. */
+                edges?: boolean;
             };
             header?: never;
             path: {

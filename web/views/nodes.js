@@ -72,7 +72,7 @@ export function Nodes() {
     setWanted(found ? -1 : row);
   };
   useEffect(() => void (wanted >= 0 && rows.at(wanted) && select(wanted)));
-  const at = wanted >= 0 ? wanted : rows.sought();
+  const at = wanted >= 0 ? wanted : rows.indexOf(selected);
   const step = (/** @type {number} */ by) => select(Math.max(0, Math.min(rows.total - 1, at + by)));
   // Two beside each other have these keys of their own.
   useKeys(second() === null ? { j: () => step(1), k: () => step(-1) } : {});

@@ -16,6 +16,7 @@ import pytest
 
 from slam.database import MapReader
 from slam.geometry import from_quat_xyzw
+from slam.maps.depth_edges import without_edges
 from tests.unit.server.loop_map import ACCEPTED, NODES, REFUSED, odometry_pose, true_pose
 from tests.unit.server.running import RunningApp, StartApp
 
@@ -103,6 +104,15 @@ def test_what_a_map_does_not_have_is_not_found(client: RunningApp, path: str) ->
     assert answer.json()["error"]["code"] == "not_found"
 
 
+def test_whether_two_nodes_are_linked_can_be_asked_without_an_error(client: RunningApp) -> None:
+    known = client.get("/api/maps/loops/links/2/3/known").json()
+    assert known["link"] == client.get("/api/maps/loops/links/2/3").json() and known["note"] == ""
+    assert known["link"]["scans"] == [False, False]
+    for pair, why in (("2/9", "not linked"), ("2/9999", "node 9999 is not in the map")):
+        answer = client.get(f"/api/maps/loops/links/{pair}/known")
+        assert answer.status_code == 200 and answer.json()["link"] is None and why in answer.json()["note"]
+
+
 def test_images_are_as_stored_and_previews_are_small(client: RunningApp, maps_folder: Path) -> None:
     answer = client.get("/api/maps/loops/nodes/3/image")
     assert answer.headers["content-type"] == "image/jpeg"
@@ -126,6 +136,9 @@ def test_depth_is_coloured_and_transparent_where_unknown(client: RunningApp, map
     assert image is not None and image.shape == (48, 64, 4)
     depth = MapReader(maps_folder / "loops.db").depth_m(3)
     assert np.array_equal(image[:, :, 3] > 0, depth > 0)
+    data = client.get("/api/maps/loops/nodes/3/depth.png?max=5&edges=false").content
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert image is not None and np.array_equal(image[:, :, 3] > 0, without_edges(depth) > 0)
 
 
 def test_features_have_the_depth_along_the_optical_axis(client: RunningApp, maps_folder: Path) -> None:

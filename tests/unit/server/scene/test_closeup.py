@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ from server.scene.colours import DARK, LIGHT
 from server.scene.framing import beside
 from server.scene.node_details import dense_points, scan_points
 from server.scene.placed import PlacedGraph
+from server.schemas.scene import DepthUse
 from slam.database.scans import StoredScan
+from slam.maps.views import node_views
 from slam.types import LocalGrid, Scan
 from tests.unit.server.scene.conftest import Sent
 from tests.unit.server.scene.room_map import CAMERA, HALF, true_pose
@@ -24,12 +27,19 @@ GRID = LocalGrid(
 )
 
 
-def draw(layer: CloseUpLayer, snapshot: Snapshot, node: int | None, parts: list[Any], look: Any = DARK) -> None:
-    layer.draw(snapshot.reader, 1, PlacedGraph.of(snapshot), node, parts, -1.0, look)
+def draw(
+    layer: CloseUpLayer,
+    snapshot: Snapshot,
+    node: int | None,
+    parts: list[Any],
+    look: Any = DARK,
+    depth: DepthUse | None = None,
+) -> None:
+    layer.draw(snapshot.reader, 1, PlacedGraph.of(snapshot), node, parts, -1.0, look, depth or DepthUse())
 
 
 def test_every_pixel_of_the_node_is_a_point_of_the_room(snapshot: Snapshot) -> None:
-    found = dense_points(snapshot.reader, NODE)
+    found = dense_points(snapshot.reader, NODE, DepthUse())
     assert len(found.points) == CAMERA.width * CAMERA.height
     T = true_pose(NODE)
     placed = found.points @ T[:3, :3].T + T[:3, 3]
@@ -55,6 +65,33 @@ def test_parts_are_sent_once_and_leave_with_the_node(viewer: Any, snapshot: Snap
     draw(layer, snapshot, None, ["cloud"])
     draw(layer, snapshot, 9999, ["cloud"])
     assert viewer.scene.get_handle_by_name("/closeup/cloud") is None
+
+
+def test_cloud_and_mesh_are_made_of_the_pixels_that_are_asked_for(
+    viewer: Any, snapshot: Snapshot, sent: Sent, monkeypatch: Any
+) -> None:
+    (view,) = node_views(snapshot.reader, NODE)
+    depth_m = view.depth_m.copy()
+    depth_m[:, : depth_m.shape[1] // 2] *= 0.5
+    monkeypatch.setattr("server.scene.node_details.node_views", lambda *_: [replace(view, depth_m=depth_m)])
+
+    def points(**use: Any) -> Any:
+        return dense_points(snapshot.reader, NODE, DepthUse(**use)).points
+
+    height, width = depth_m.shape
+    assert len(points(every=4)) == -(-height // 4) * -(-width // 4)
+    assert len(points(edges=False)) == height * (width - 2), "on both sides of the step"
+    far_m = float(np.median(depth_m))
+    assert len(points(far_m=far_m)) == (depth_m <= far_m).sum()
+
+    layer = CloseUpLayer(viewer.scene)
+    draw(layer, snapshot, NODE, ["cloud", "mesh", "words"])
+    sent.take()
+    draw(layer, snapshot, NODE, ["cloud", "mesh", "words"], depth=DepthUse(every=2))
+    again = [kind for kind, _ in sent.take()]
+    assert sum("PointCloud" in kind for kind in again) == 1 and sum("Glb" in kind for kind in again) == 1
+    draw(layer, snapshot, NODE, ["cloud", "mesh", "words"], depth=DepthUse(every=2))
+    assert not any("PointCloud" in kind or "Glb" in kind for kind, _ in sent.take())
 
 
 def test_surfaces_are_sent_once_and_stand_where_the_node_does(viewer: Any, snapshot: Snapshot, sent: Sent) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from server.browse.snapshot import Snapshot
 from server.scene.node_details import dense_points
 from server.scene.node_surfaces import Surface, as_trimesh, elevation, node_elevation, node_mesh
+from server.schemas.scene import DepthUse
 from slam.errors import DatabaseError
 from slam.geometry import make, so3_exp
 from slam.maps.views import View
@@ -26,7 +27,7 @@ def colours(surface: Surface) -> NDArray[np.uint8]:
 
 
 def test_a_mesh_has_the_points_of_the_cloud_in_their_colours(snapshot: Snapshot) -> None:
-    mesh, cloud = node_mesh(snapshot.reader, NODE), dense_points(snapshot.reader, NODE)
+    mesh, cloud = node_mesh(snapshot.reader, NODE, DepthUse()), dense_points(snapshot.reader, NODE, DepthUse())
     np.testing.assert_allclose(mesh.corners, cloud.points)
     np.testing.assert_array_equal(colours(mesh), cloud.colours)
     most = 2 * (CAMERA.width - 1) * (CAMERA.height - 1)
@@ -44,7 +45,7 @@ def test_what_is_behind_is_not_joined_with_the_front(snapshot: Snapshot, monkeyp
     image = np.zeros((CAMERA.height, CAMERA.width, 3), np.uint8)
     views = (View(image, depth_m, CAMERA), View(image, depth_m, CAMERA))
     monkeypatch.setattr("server.scene.node_surfaces.node_views", lambda *_: views)
-    mesh = node_mesh(snapshot.reader, NODE)
+    mesh = node_mesh(snapshot.reader, NODE, DepthUse())
     assert len(mesh.corners) == 2 * CAMERA.width * (CAMERA.height - 2)
     assert mesh.picture.shape[1] == 2 * CAMERA.width
     depth = np.linalg.inv(CAMERA.T_base_cam)[2] @ np.column_stack([mesh.corners, np.ones(len(mesh.corners))]).T
@@ -72,7 +73,7 @@ def test_heights_are_level_however_the_base_is_held(snapshot: Snapshot, monkeypa
     T = true_pose(NODE)
     upright = node_elevation(snapshot.reader, NODE, T)
     tilt = make(so3_exp(np.array([0.2, -0.3, 0.0])), np.zeros(3))
-    seen = dense_points(snapshot.reader, NODE).points @ tilt[:3, :3]
+    seen = dense_points(snapshot.reader, NODE, DepthUse()).points @ tilt[:3, :3]
     monkeypatch.setattr("server.scene.node_surfaces._points", lambda *_: seen.astype(np.float64))
     held = node_elevation(snapshot.reader, NODE, T @ tilt)
     assert held.corners[:, 2].min() == pytest.approx(upright.corners[:, 2].min(), abs=0.02)

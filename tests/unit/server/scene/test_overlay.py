@@ -44,8 +44,11 @@ def test_the_second_cloud_is_where_the_link_or_the_graph_puts_it(viewer: Any, sn
 def test_scans_take_the_place_of_clouds(viewer: Any, snapshot: Snapshot, monkeypatch: pytest.MonkeyPatch) -> None:
     graph, layer = PlacedGraph.of(snapshot), OverlayLayer(viewer.scene)
     assert layer.draw(snapshot, graph, PAIR, "poses", DARK)
-    assert not layer.draw(snapshot, graph, PAIR, "poses", DARK, of="scan"), "these nodes have none"
+    layer.draw(snapshot, graph, None, None, DARK)
+    assert layer.draw(snapshot, graph, PAIR, "poses", DARK, of="scan")
+    assert min(len(handle.points) for handle in handles(viewer)) > 100, "these nodes have none: points of their depth"
     points = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], np.float32)
+    monkeypatch.setitem(vars(snapshot), "scanned", frozenset(PAIR))
     monkeypatch.setattr(type(snapshot.reader), "scan", lambda *_: Scan(points, None))
     layer.draw(snapshot, graph, None, None, DARK)
     assert layer.draw(snapshot, graph, PAIR, "poses", DARK, of="scan")
