@@ -14,7 +14,7 @@ from server.browse.snapshot import Snapshot
 from server.schemas import Covariances, EditedLink, IcpFacts, LinkEditResult, NodePrior, NodePriorState
 from server.schemas import LinkEdit as LinkEditBody
 from slam.edit.priors import prior_of
-from slam.edit.wishes import CovarianceEdit, LinkEdit, Matching, Outcome, PixelPair, PriorEdit
+from slam.edit.wishes import CovarianceEdit, LinkEdit, Matching, Outcome, PickedPair, PriorEdit
 from slam.geometry import Array, Pose, from_euler_rpy, to_euler_rpy
 from slam.types import UNKNOWN_VARIANCE, IcpEvidence, Link, LinkType
 
@@ -26,7 +26,7 @@ def wanted_edit(body: LinkEditBody, author: str) -> LinkEdit:
         from_id=body.from_,
         to_id=body.to,
         how=Matching(body.method, body.guess),
-        pairs=tuple(PixelPair(*pair) for pair in body.pairs),
+        pairs=tuple(PickedPair(tuple(pair.from_), tuple(pair.to)) for pair in body.pairs),
         T_from_to=_typed(body.transform),
         sigmas=None if body.sigmas is None else _sigmas(body.sigmas),
         author=author,

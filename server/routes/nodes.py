@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query, Response
 from server.browse import nodes
 from server.browse.nodes import NodeOrder
 from server.browse.pairs import node_pair
+from server.browse.pickable import pickable_points
 from server.browse.pictures import (
     DepthColours,
     coloured_confidence,
@@ -20,7 +21,7 @@ from server.browse.pictures import (
 from server.browse.plans import grid_picture, scan_picture, trial_grid
 from server.browse.sensors import grid_facts
 from server.routes.access import NodeId, ViewDep
-from server.routes.pictures import ANY, PNG, picture
+from server.routes.pictures import ANY, PNG, POINTS, picture
 from server.schemas import GridFacts, NodeDetail, NodeFeatures, NodePage, NodePair, PixelDepth
 
 router = APIRouter(prefix="/api/maps/{map}/nodes", tags=["nodes"])
@@ -85,6 +86,12 @@ def get_node_confidence(view: ViewDep, node_id: NodeId, colours: DepthColours = 
 def get_node_right(view: ViewDep, node_id: NodeId) -> Response:
     """The right image of a stereo pair as it is stored."""
     return picture(*stored_right(view, node_id))
+
+
+@router.get("/{node_id}/points", response_class=Response, responses=POINTS)
+def get_node_points(view: ViewDep, node_id: NodeId) -> Response:
+    """The cloud of a node to pick from: rows of x y z (float32, metres, base frame), red green blue 0 (uint8)."""
+    return Response(pickable_points(view, node_id), media_type="application/octet-stream")
 
 
 @router.get("/{node_id}/pixel")

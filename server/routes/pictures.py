@@ -14,6 +14,13 @@ ANY: dict[int | str, dict[str, Any]] = {
     200: {"content": {"image/jpeg": {}, "image/png": {}}, "description": "The image as it is stored."}
 }
 
+POINTS: dict[int | str, dict[str, Any]] = {
+    200: {
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+        "description": "Points, 16 bytes each.",
+    }
+}
+
 
 def picture(data: bytes, media_type: str) -> Response:
     """An image that the browser may keep for a minute: nodes don't change, but names of maps are used again."""

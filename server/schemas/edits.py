@@ -13,7 +13,7 @@ from server.schemas.links import LoopReason
 Id = Annotated[int, Field(ge=1, le=2**31 - 1)]
 Author = Annotated[str, Field(max_length=80)]
 Six = Annotated[list[float], Field(min_length=6, max_length=6)]
-Four = Annotated[list[float], Field(min_length=4, max_length=4)]
+Picked = Annotated[list[Annotated[float, Field(ge=-1e6, le=1e6)]], Field(min_length=2, max_length=3)]
 MethodName = Literal["visual", "icp", "both"]
 GuessName = Literal["graph", "none"]
 JobKind = Literal["detect", "refine", "regrid"]
@@ -28,6 +28,13 @@ LinkTypeName = Literal[
 ]
 
 
+class PickedPair(Schema):
+    """The same point in both nodes: x and y in pixels of its image, or x, y and z in metres of the base frame."""
+
+    from_: Picked = Field(alias="from")
+    to: Picked
+
+
 class LinkEdit(Schema):
     """What to do with the link of two nodes."""
 
@@ -37,8 +44,7 @@ class LinkEdit(Schema):
     to: Id
     method: MethodName = "visual"
     guess: GuessName = "graph"
-    pairs: list[Four] = Field(default_factory=list, max_length=200)
-    """Picked points: x and y in the image of ``from``, then in that of ``to``, pixels."""
+    pairs: list[PickedPair] = Field(default_factory=list, max_length=200)
     transform: Six | None = None
     """x y z in metres, roll pitch yaw in degrees, from ``from`` to ``to``."""
     sigmas: Six | None = None

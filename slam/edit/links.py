@@ -12,7 +12,7 @@ from slam.edit.objection import objection
 from slam.edit.point_pairs import Fitted, fitted, lifted
 from slam.edit.sigmas import information_of_sigmas
 from slam.edit.views import StoredViews
-from slam.edit.wishes import LinkEdit, Outcome, PixelPair
+from slam.edit.wishes import LinkEdit, Outcome, PickedPair
 from slam.errors import DecisionError
 from slam.geometry import inverse
 from slam.graph.graph import PoseGraph, name
@@ -85,7 +85,7 @@ class LinkEditor:
 
     def _by_points(self, edit: LinkEdit) -> Outcome:
         new, old = max(edit.from_id, edit.to_id), min(edit.from_id, edit.to_id)
-        pairs = edit.pairs if edit.from_id == new else [PixelPair(p[2], p[3], p[0], p[1]) for p in edit.pairs]
+        pairs = edit.pairs if edit.from_id == new else [PickedPair(one.at_to, one.at_from) for one in edit.pairs]
         found = fitted(*lifted(self._reader, new, old, pairs))
         link = Link(new, old, LinkType.USER_CLOSURE, found.T_from_to, found.information)
         return Outcome(link, residuals_m=found.residuals_m, refusal=self._apart(found))

@@ -1,16 +1,17 @@
-"""A transform from points that a person picked in two images."""
+"""A transform from points that a person picked in two images or clouds."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slam.camera import Camera
-from slam.edit.wishes import PixelPair
+from slam.edit.wishes import PickedPair
 from slam.errors import DecisionError
 from slam.geometry import Array, Pose, hat, make, normalized, transform
 from slam.registration.rigid import fit
@@ -68,42 +69,55 @@ def fitted(points_from: Array, points_to: Array) -> Fitted:
     return Fitted(T, np.einsum("nki,nkj->ij", J, J) / variance, residuals)
 
 
-def lifted(reader: DepthReader, from_id: int, to_id: int, pairs: Sequence[PixelPair]) -> tuple[Array, Array]:
-    """Points (N, 3) of picked pixels in the base frame of each node, metres.
+def lifted(reader: DepthReader, from_id: int, to_id: int, pairs: Sequence[PickedPair]) -> tuple[Array, Array]:
+    """Points (N, 3) of what was picked in the base frame of each node, metres.
 
     Raises:
         DecisionError: a pixel is outside its image, or no depth is known there.
-        DatabaseError: a node has no depth image or no camera.
+        DatabaseError: a node in whose image something was picked has no depth image or no camera.
     """
-    depths = reader.depth_m(from_id), reader.depth_m(to_id)
-    cameras = reader.cameras(from_id), reader.cameras(to_id)
-    points = [
-        (
-            _point(from_id, number, pair.x_from, pair.y_from, cameras[0], depths[0]),
-            _point(to_id, number, pair.x_to, pair.y_to, cameras[1], depths[1]),
-        )
-        for number, pair in enumerate(pairs, 1)
-    ]
+    one, other = _Node(reader, from_id), _Node(reader, to_id)
+    points = [(one.point(number, a), other.point(number, b)) for number, (a, b) in enumerate(pairs, 1)]
     both = np.array(points, np.float64).reshape(-1, 2, 3)
     return both[:, 0], both[:, 1]
 
 
-def _point(
-    node_id: int, number: int, x: float, y: float, cameras: tuple[Camera, ...], depth_m: NDArray[np.float32]
-) -> Array:
-    width, height = sum(camera.width for camera in cameras), cameras[0].height
-    if not (0 <= x < width and 0 <= y < height):
-        raise DecisionError(f"pair {number}: ({x:g}, {y:g}) is outside the image of node {node_id}, {width}x{height}")
-    z = _depth_at(depth_m, (x + 0.5) * depth_m.shape[1] / width, (y + 0.5) * depth_m.shape[0] / height)
-    if z is None:
-        raise DecisionError(f"pair {number}: node {node_id} has no depth at ({x:g}, {y:g}): pick another point")
-    left = 0
-    for camera in cameras:
-        if x < left + camera.width:
-            break
-        left += camera.width
-    pixel = np.array([[x - left, y]])
-    return np.asarray(transform(camera.T_base_cam, camera.unproject(pixel, np.array([z])))[0])
+class _Node:
+    """A node in which points were picked; its images are read when one of them is needed."""
+
+    def __init__(self, reader: DepthReader, node_id: int) -> None:
+        self._reader = reader
+        self._id = node_id
+
+    @cached_property
+    def _cameras(self) -> tuple[Camera, ...]:
+        return self._reader.cameras(self._id)
+
+    @cached_property
+    def _depth_m(self) -> NDArray[np.float32]:
+        return self._reader.depth_m(self._id)
+
+    def point(self, number: int, picked: Sequence[float]) -> Array:
+        """Point (3,) in the base frame: as it was picked in the cloud, or seen in a pixel."""
+        if len(picked) == 3:
+            return np.array(picked, np.float64)
+        x, y = picked
+        cameras, depth_m = self._cameras, self._depth_m
+        width, height = sum(camera.width for camera in cameras), cameras[0].height
+        if not (0 <= x < width and 0 <= y < height):
+            raise DecisionError(
+                f"pair {number}: ({x:g}, {y:g}) is outside the image of node {self._id}, {width}x{height}"
+            )
+        z = _depth_at(depth_m, (x + 0.5) * depth_m.shape[1] / width, (y + 0.5) * depth_m.shape[0] / height)
+        if z is None:
+            raise DecisionError(f"pair {number}: node {self._id} has no depth at ({x:g}, {y:g}): pick another point")
+        left = 0
+        for camera in cameras:
+            if x < left + camera.width:
+                break
+            left += camera.width
+        pixel = np.array([[x - left, y]])
+        return np.asarray(transform(camera.T_base_cam, camera.unproject(pixel, np.array([z])))[0])
 
 
 def _depth_at(depth_m: NDArray[np.float32], x: float, y: float) -> float | None:

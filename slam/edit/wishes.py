@@ -27,13 +27,11 @@ class Matching:
     guess: Guess = "graph"
 
 
-class PixelPair(NamedTuple):
-    """The same point in two images: x and y in pixels of each."""
+class PickedPair(NamedTuple):
+    """The same point in two nodes: of each x, y in pixels of its image, or x, y, z in metres of its base frame."""
 
-    x_from: float
-    y_from: float
-    x_to: float
-    y_to: float
+    at_from: tuple[float, ...]
+    at_to: tuple[float, ...]
 
 
 LinkAction = Literal["add", "points", "refine", "edit", "reset"]
@@ -49,7 +47,7 @@ class LinkEdit:
         from_id: one of both nodes.
         to_id: the other one.
         how: of the registration.
-        pairs: picked points of both images.
+        pairs: picked points of both images or clouds.
         T_from_to: (4, 4) that was typed.
         sigmas: (6,) x y z in metres, roll pitch yaw in radians; 0 means that nothing is known of the axis.
         author: who wants it.
@@ -60,7 +58,7 @@ class LinkEdit:
     from_id: int
     to_id: int
     how: Matching = field(default_factory=Matching)
-    pairs: Sequence[PixelPair] = ()
+    pairs: Sequence[PickedPair] = ()
     T_from_to: Pose | None = None
     sigmas: Array | None = None
     author: str = ""

@@ -52,6 +52,13 @@ def test_a_rejected_loop_is_linked_again_by_hand_detected_in_bulk_and_undone(own
     page.keyboard.press("Escape")
     expect(page.get_by_role("dialog")).to_have_count(0)
     expect(tool.locator("#points-asked")).to_contain_text("1 pair")
+    # The second point of the next pair is picked in a cloud, turned before.
+    page.get_by_role("img", name=f"Pick points of node {from_id}", exact=True).click()
+    tool.get_by_role("button", name="Clouds").click()
+    cloud = page.get_by_role("img", name=f"Pick points of the cloud of node {to_id}", exact=True)
+    cloud.press("ArrowLeft")
+    cloud.press("Enter")
+    expect(tool.locator("#points-asked")).to_contain_text(f"in the cloud of node {from_id}; 2 pairs")
     tool.get_by_role("button", name="Match").click()
     page.locator("#link-preview").click()
     outcome = page.locator("#link-outcome")

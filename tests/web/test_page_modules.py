@@ -99,6 +99,54 @@ def test_a_row_that_is_here_is_found_and_told_of_at_once(modules: Page) -> None:
     assert call(modules, "window.js", code, [5, 7]) == [1, 1, -1, True]
 
 
+_CLOUD = """(() => {
+  let state = a.seed + 1;
+  const next = () => (state = (state * 48271) % 2147483647) / 2147483647;
+  const [count, width, height] = [400, 160, 120];
+  const points = Float32Array.from({ length: 3 * count }, () => 4 * next());
+  const cloud = { count, points, colours: new Uint8Array(3 * count).fill(200) };
+  const view = m.zoomed(m.turned(m.firstView(cloud), a.yaw, a.pitch), a.zoom);
+  const image = new ImageData(width, height);
+  const shown = m.drawCloud(image, cloud, view);
+  const of = (k) => m.project(view, width, height, points.subarray(3 * k, 3 * k + 3));
+  const apart = (p, q) => Math.hypot(p.x - q.x, p.y - q.y);
+  const drawn = [...shown.keys()].filter((at) => shown[at] >= 0);
+  const inside = ({ at }) => at && at.x >= 0 && at.y >= 0 && at.x <= width - 1 && at.y <= height - 1;
+  const clicks = [...Array(count).keys()].map((k) => ({ k, at: of(k) })).filter(inside);
+  const picked = clicks.map(({ at }) => m.pointNear(shown, width, at.x, at.y, 3));
+  const near = (k, { at }) => of(k).depth <= at.depth + 1e-3 || apart(of(k), at) < 12;
+  return {
+    coloured: image.data.filter((value) => value > 0).length === 4 * drawn.length,
+    far: Math.max(0, ...drawn.map((at) => apart(of(shown[at]), { x: at % width, y: Math.floor(at / width) }))),
+    inFront: picked.every((k, i) => k >= 0 && near(k, clicks[i])),
+    missed: m.pointNear(new Int32Array(width * height).fill(-1), width, 5, 5, 9),
+  };
+})()"""
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, 10_000), st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(0.3, 3))
+def test_a_click_on_a_cloud_picks_a_point_that_is_to_be_seen_there(
+    modules: Page, seed: int, yaw: float, pitch: float, zoom: float
+) -> None:
+    found = call(modules, "orbit.js", _CLOUD, {"seed": seed, "yaw": yaw, "pitch": pitch, "zoom": zoom})
+    assert found["coloured"] and found["inFront"] and found["missed"] == -1
+    assert found["far"] < 10, "a point is drawn where it is"
+
+
+def test_points_come_as_rows_of_sixteen_bytes(modules: Page) -> None:
+    code = """(() => {
+        const rows = new ArrayBuffer(32);
+        new Float32Array(rows).set([1, 2, 3], 0);
+        new Float32Array(rows).set([4, 5, 6], 4);
+        new Uint8Array(rows).set([7, 8, 9], 12);
+        new Uint8Array(rows).set([10, 11, 12], 28);
+        const { points, colours, count } = m.cloudOf(rows);
+        return [count, [...points], [...colours]];
+    })()"""
+    assert call(modules, "parts/cloud_picker.js", code) == [2, [1, 2, 3, 4, 5, 6], [7, 8, 9, 10, 11, 12]]
+
+
 @pytest.mark.parametrize("text", ["", "#", "#/nowhere", "#/map", "#/map/tour/nowhere/5", "#/%E0%A4%A"])
 def test_any_address_leads_to_a_view(modules: Page, text: str) -> None:
     parsed = call(modules, "router.js", "m.parse(a)", text)

@@ -27,7 +27,7 @@ const ZEROS = ["0", "0", "0", "0", "0", "0"];
 /** @type {[Action, string, string][]} */
 const NEW = [
   ["add", "Match", "Register both nodes by their images or clouds"],
-  ["points", "Points", "Pick the same points in both images"],
+  ["points", "Points", "Pick the same points in both images or clouds"],
   ["edit", "Type", "Enter the transform"],
 ];
 /** @type {[Action, string, string][]} */
@@ -101,7 +101,7 @@ function Form({ map, from, to, known, onDone }) {
     );
   }, [action]);
   const locked = lockReason();
-  const pairs = points.flatMap(({ left, right }) => (right ? [[...left, ...right]] : []));
+  const pairs = points.flatMap(({ left, right }) => (right ? [{ from: left, to: right }] : []));
   const ready = action !== "points" || pairs.length > 2;
 
   const ask = async (/** @type {boolean} */ preview) => {

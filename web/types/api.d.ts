@@ -716,6 +716,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/points": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Points
+         * @description The cloud of a node to pick from: rows of x y z (float32, metres, base frame), red green blue 0 (uint8).
+         */
+        get: operations["get_node_points"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/prior": {
         parameters: {
             query?: never;
@@ -2081,11 +2101,8 @@ export interface components {
              * @enum {string}
              */
             method: "visual" | "icp" | "both";
-            /**
-             * Pairs
-             * @description Picked points: x and y in the image of ``from``, then in that of ``to``, pixels.
-             */
-            pairs?: number[][];
+            /** Pairs */
+            pairs?: components["schemas"]["PickedPair"][];
             /**
              * Preview
              * @description Only say what it would do.
@@ -3118,6 +3135,16 @@ export interface components {
             unused: {
                 [key: string]: string;
             };
+        };
+        /**
+         * PickedPair
+         * @description The same point in both nodes: x and y in pixels of its image, or x, y and z in metres of the base frame.
+         */
+        PickedPair: {
+            /** From */
+            from: number[];
+            /** To */
+            to: number[];
         };
         /**
          * PixelDepth
@@ -6684,6 +6711,75 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PixelDepth"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_points: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Points, 16 bytes each. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
                 };
             };
             /** @description No token. */

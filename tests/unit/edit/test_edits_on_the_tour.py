@@ -16,7 +16,7 @@ from slam.edit.detect import close_pairs, detect_more
 from slam.edit.job import Job, JobStep
 from slam.edit.links import LinkEditor
 from slam.edit.refine import refine_links
-from slam.edit.wishes import Detection, LinkEdit, Matching, PixelPair, Refinement
+from slam.edit.wishes import Detection, LinkEdit, Matching, PickedPair, Refinement
 from slam.errors import DecisionError
 from slam.geometry import Pose, between, inverse, rotation_angle, se3_exp, transform, translation_norm
 from slam.graph import PoseGraph
@@ -175,7 +175,7 @@ def test_picked_points_make_a_link(opened: Opened) -> None:
             u, v = camera.project(cam)[0]
             inside = 5 <= u < camera.width - 5 and 5 <= v < camera.height - 5
             if inside and abs(float(other[int((v + 0.5) * scale), int((u + 0.5) * scale)]) - cam[0, 2]) < 0.02:
-                pairs.append(PixelPair(x, y, round(float(u)), round(float(v))))
+                pairs.append(PickedPair((x, y), (round(float(u)), round(float(v)))))
     assert len(pairs) >= 4
     done = opened.editor.carry_out(LinkEdit(action="points", from_id=new, to_id=old, pairs=pairs))
     assert done.link is not None and done.residuals_m is not None

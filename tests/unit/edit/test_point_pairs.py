@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from slam.camera import Camera
 from slam.edit.point_pairs import fitted, lifted
-from slam.edit.wishes import PixelPair
-from slam.errors import DecisionError
+from slam.edit.wishes import PickedPair
+from slam.errors import DatabaseError, DecisionError
 from slam.geometry import se3_exp, transform
 
 ANY = st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6)
@@ -57,14 +57,36 @@ class Pictures:
 
 
 def test_pixels_become_points_of_the_base_frame() -> None:
-    points_from, points_to = lifted(Pictures(), 1, 2, [PixelPair(31.5, 23.5, 6.5, 23.5)])
+    points_from, points_to = lifted(Pictures(), 1, 2, [PickedPair((31.5, 23.5), (6.5, 23.5))])
     assert np.allclose(points_from, [[2.0, 0.0, 0.0]])
     assert np.allclose(points_to, [[2.0, 1.0, 0.0]])
-    right, _ = lifted(Pictures(), 3, 1, [PixelPair(64 + 31.5, 23.5, 1, 1)])
+    right, _ = lifted(Pictures(), 3, 1, [PickedPair((64 + 31.5, 23.5), (1, 1))])
     assert np.allclose(right, [[2.0, 0.0, 0.0]]), "the tile of the second camera"
+
+
+class NoPictures:
+    """A node of a scanner."""
+
+    def cameras(self, node_id: int) -> tuple[Camera, ...]:
+        raise DatabaseError(f"node {node_id} has no calibration")
+
+    def depth_m(self, node_id: int) -> np.ndarray:
+        raise DatabaseError(f"node {node_id} has no depth image")
+
+
+def test_points_of_clouds_are_taken_as_they_are_and_go_with_pixels() -> None:
+    a, b = lifted(
+        Pictures(), 1, 2, [PickedPair((31.5, 23.5), (1.0, 2.0, 3.0)), PickedPair((4.0, 5.0, 6.0), (6.5, 23.5))]
+    )
+    np.testing.assert_allclose(a, [[2.0, 0.0, 0.0], [4.0, 5.0, 6.0]])
+    np.testing.assert_allclose(b, [[1.0, 2.0, 3.0], [2.0, 1.0, 0.0]])
+    alone, _ = lifted(NoPictures(), 1, 2, [PickedPair((1.0, 2.0, 3.0), (1.0, 2.0, 3.0))])
+    np.testing.assert_allclose(alone, [[1.0, 2.0, 3.0]])
+    with pytest.raises(DatabaseError, match="no calibration"):
+        lifted(NoPictures(), 1, 2, [PickedPair((1.0, 2.0), (1.0, 2.0, 3.0))])
 
 
 @pytest.mark.parametrize(("pair", "why"), [((1, 1, 60, 20), "pair 1: node 2 has no depth"), ((70, 1, 1, 1), "outside")])
 def test_pixels_without_depth_or_outside_are_named(pair: tuple[float, ...], why: str) -> None:
     with pytest.raises(DecisionError, match=why):
-        lifted(Pictures(), 1, 2, [PixelPair(*pair)])
+        lifted(Pictures(), 1, 2, [PickedPair(pair[:2], pair[2:])])

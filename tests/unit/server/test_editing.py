@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from slam.database import MapReader
+from slam.geometry import from_quat_xyzw, inverse, transform
 from tests.tours import mapped
 from tests.unit.server.running import RunningApp, StartApp
 
@@ -85,17 +87,39 @@ def test_points_picked_in_both_images_are_judged_by_their_residuals(tour: Runnin
     seen = tour.get(f"/api/maps/tour/links/{new}/{old}/matches").json()
     depth = reader.depth_m(new), reader.depth_m(old)
     good = [
-        [seen["x1"][k], seen["y1"][k], seen["x2"][k], seen["y2"][k]]
+        {"from": [seen["x1"][k], seen["y1"][k]], "to": [seen["x2"][k], seen["y2"][k]]}
         for k in np.flatnonzero(seen["inlier"]).tolist()
         if depth[0][int(seen["y1"][k]), int(seen["x1"][k])] and depth[1][int(seen["y2"][k]), int(seen["x2"][k])]
     ][:12]
     ids = {"from": new, "to": old}
     done = post(tour, "links", action="points", pairs=good, force=True, preview=True, **ids).json()
     assert len(done["residuals_m"]) == len(good) and np.median(done["residuals_m"]) < 0.05
-    false = [[*pair[:2], *good[k - 3][2:]] for k, pair in enumerate(good)]
+    false = [{"from": pair["from"], "to": good[k - 3]["to"]} for k, pair in enumerate(good)]
     refused = post(tour, "links", action="points", pairs=false, **ids)
     assert refused.status_code == 409 and "Vis/InlierDistance" in refused.json()["error"]["message"]
     assert post(tour, "links", action="points", pairs=good[:2], **ids).status_code == 422
+    assert post(tour, "links", action="points", pairs=[{"from": [1], "to": [1, 2]}] * 3, **ids).status_code == 422
+
+    # Points of both clouds, picked where the link has them.
+    x, y, z, *quat_xyzw = done["link"]["transform"]
+    T = from_quat_xyzw(np.array(quat_xyzw), np.array([x, y, z]))
+    rows = points_of(tour, new)
+    assert len(rows) > 1000 and np.isfinite(rows).all()
+    picked = rows[np.linspace(0, len(rows) - 1, 6).astype(int)]
+    there = transform(inverse(T), picked)
+    clouds = [{"from": a.tolist(), "to": b.tolist()} for a, b in zip(picked, there, strict=True)]
+    again = post(tour, "links", action="points", pairs=clouds, preview=True, **ids).json()
+    assert max(again["residuals_m"]) < 1e-4
+    np.testing.assert_allclose(again["link"]["transform"][:3], done["link"]["transform"][:3], atol=1e-4)
+
+
+def points_of(client: RunningApp, node_id: int) -> NDArray[np.float64]:
+    """The points (N, 3) that somebody picks from."""
+    answer = client.get(f"/api/maps/tour/nodes/{node_id}/points")
+    assert answer.headers["content-type"] == "application/octet-stream"
+    return np.frombuffer(answer.content, np.dtype([("point", "<f4", 3), ("colour", "u1", 4)]))["point"].astype(
+        np.float64
+    )
 
 
 @pytest.mark.parametrize(
