@@ -134,6 +134,18 @@ def test_a_click_on_a_cloud_picks_a_point_that_is_to_be_seen_there(
     assert found["far"] < 10, "a point is drawn where it is"
 
 
+@pytest.mark.parametrize("order", [[0, 1], [1, 0]])
+def test_of_two_points_behind_each_other_the_nearer_is_picked(modules: Page, order: list[int]) -> None:
+    code = """(() => {
+        const both = [[0, 0, 0], [1, 0, 0]];
+        const cloud = { count: 2, points: Float32Array.from(a.flatMap((k) => both[k])), colours: new Uint8Array(6) };
+        const view = { yaw: 0, pitch: 0, distance: 2, target: [0, 0, 0] };
+        const shown = m.drawCloud(new ImageData(160, 120), cloud, view);
+        return a[m.pointNear(shown, 160, 80, 60, 5)];
+    })()"""
+    assert call(modules, "orbit.js", code, order) == 0
+
+
 def test_points_come_as_rows_of_sixteen_bytes(modules: Page) -> None:
     code = """(() => {
         const rows = new ArrayBuffer(32);
