@@ -31,7 +31,7 @@ from server.engine.commands import (
     SetParams,
     TurnMap,
 )
-from server.engine.events import Ended, Event, GraphChanged, JobTold, Moved, NodeAdded
+from server.engine.events import Ended, Event, GraphChanged, GridChanged, JobTold, Moved, NodeAdded
 from server.errors import EngineError, NotFoundError
 from server.hub import Hub
 from server.jobs import Jobs
@@ -295,6 +295,8 @@ class Services:
             self._graph_changed(map_id)
         elif isinstance(event, GraphChanged):
             self._graph_changed(map_id)
+        elif isinstance(event, GridChanged):
+            self._grid_changed(map_id)
         elif isinstance(event, JobTold | Ended):
             self.jobs.heard(map_id, event)
             if isinstance(event, JobTold) and event.effect is not None:
@@ -305,11 +307,21 @@ class Services:
 
     def _graph_changed(self, map_id: str) -> None:
         """Tell everybody, with the revision that the file will be read as."""
-        with self._lock:
-            view = next((view for (open_id, _), view in self._views.items() if open_id == map_id), None)
+        view = self._opened(map_id)
         revision = 1 if view is None else view.touch()
         self.hub.publish("graph", map_id, {"revision": revision})
         self.scenes.refresh(map_id)
+
+    def _grid_changed(self, map_id: str) -> None:
+        """Show the new floor plan; all else that was read of the file still holds."""
+        view = self._opened(map_id)
+        if view is not None:
+            view.grid_written()
+        self.scenes.refresh(map_id)
+
+    def _opened(self, map_id: str) -> MapView | None:
+        with self._lock:
+            return next((view for (open_id, _), view in self._views.items() if open_id == map_id), None)
 
 
 def _author(name: str) -> str:

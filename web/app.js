@@ -3,6 +3,7 @@ import { render } from "preact";
 import { useEffect } from "preact/hooks";
 import { cx, h, html } from "./html.js";
 import { connect } from "./events.js";
+import { makeFirstCanvas } from "./first_canvas.js";
 import { startKeys } from "./keys.js";
 import { Banners, Toasts } from "./parts/banner.js";
 import { Exports } from "./parts/exports.js";
@@ -68,6 +69,7 @@ function Middle() {
   </section>`;
 }
 
+makeFirstCanvas();
 startTheme();
 startRouter();
 startStore();

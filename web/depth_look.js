@@ -15,13 +15,27 @@ export const withEdges = remembered("depth-edges", true);
 /** Share of the depth in the colour image, 0 for none. */
 export const veil = remembered("depth-veil", 0);
 
-/** What is shown beside the left image of a stereo pair. */
-export const SECONDS = /** @type {const} */ (["right", "disparity", "depth"]);
+/** What was chosen to be beside the colour image. */
 export const secondShown = remembered("stereo-second", "right");
 
-/** @param {string} map @param {number} node */
-export function disparityAddress(map, node) {
-  return `${address("api", "maps", map, "nodes", node, "disparity.png")}?colours=${depthColours.value}`;
+/**
+ * What there may be beside the colour image.
+ * @param {{has_right: boolean, has_depth: boolean, has_confidence: boolean}} node
+ */
+export function secondsOf({ has_right, has_depth, has_confidence }) {
+  if (has_right) return ["right", "disparity", "depth"];
+  return has_confidence && has_depth ? ["depth", "confidence"] : ["depth"];
+}
+
+/** What is there. @param {Parameters<typeof secondsOf>[0]} node */
+export function secondOf(node) {
+  const there = secondsOf(node);
+  return there.includes(secondShown.value) ? secondShown.value : there[0];
+}
+
+/** @param {string} map @param {number} node @param {"disparity" | "confidence"} what */
+export function colouredAddress(map, node, what) {
+  return `${address("api", "maps", map, "nodes", node, `${what}.png`)}?colours=${depthColours.value}`;
 }
 
 /** @param {string} map @param {number} node */

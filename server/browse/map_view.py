@@ -141,6 +141,12 @@ class MapView:
             self._revision += 1
             return self._revision
 
+    def grid_written(self) -> None:
+        """The floor plan was written, and nothing that a snapshot holds."""
+        with self._lock:
+            if self._snapshot is not None and self._snapshot.revision == self._revision:
+                self._print = _fingerprint(self.file.path)
+
 
 def _fingerprint(path: Path) -> Fingerprint:
     found = []

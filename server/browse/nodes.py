@@ -93,6 +93,7 @@ def detail(view: MapView, node_id: int) -> NodeDetail:
         has_image=node.image_bytes > 0,
         has_depth=node.depth_bytes > 0 and not right,
         has_right=node.depth_bytes > 0 and right,
+        has_confidence=view.reader.has_confidence(node_id),
         decisions=[journal_entry(entry) for entry in snapshot.journal if _decides_about(entry, node_id)],
         faults=row_faults(faults),
     )

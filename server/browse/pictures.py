@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from server.browse.map_view import MapView
+from server.browse.nodes import require_known
 from server.errors import NotFoundError
 from slam.database.images import decode_color
 from slam.errors import DatabaseError
@@ -79,6 +80,19 @@ def coloured_disparity(view: MapView, node_id: int, colours: DepthColours = "tur
     seen = node_views(view.reader, node_id)
     disparity = np.hstack([disparity_px(one, baseline) for one, baseline in zip(seen, baselines, strict=True)])
     return _coloured(disparity, 0.0, _far(disparity), colours)
+
+
+def coloured_confidence(view: MapView, node_id: int, colours: DepthColours = "turbo") -> bytes:
+    """How sure the camera was of each pixel of depth, as a PNG from 0 to 100, transparent where it was not at all.
+
+    Raises:
+        NotFoundError: that is not stored of the node.
+    """
+    require_known(view.snapshot(), node_id)
+    percent = view.reader.confidence(node_id)
+    if percent is None:
+        raise NotFoundError(f"node {node_id} of {view.file.name} has no confidence of its depth")
+    return _coloured(percent.astype(np.float32), 0.0, 100.0, colours)
 
 
 def _coloured(values: NDArray[np.float32], first: float, last: float, colours: DepthColours) -> bytes:

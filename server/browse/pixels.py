@@ -22,11 +22,15 @@ _SLACK = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Depths:
-    """Depth (h, w) in metres of all tiles of a node, 0 where unknown; its cameras, where it has any that make sense."""
+    """Depth (h, w) in metres of all tiles of a node, 0 where unknown; its cameras, where it has any that make sense.
+
+    ``confidence`` (h, w) is what is stored of it, 0 to 100, None where nothing of that size is.
+    """
 
     depth_m: NDArray[np.float32]
     cameras: tuple[Camera, ...]
     stereo: bool
+    confidence: NDArray[np.uint8] | None = None
 
 
 class Pixels:
@@ -73,6 +77,7 @@ class Pixels:
             depth_height=height,
             depth_m=depth if known else None,
             stereo=depths.stereo,
+            confidence=None if depths.confidence is None else int(depths.confidence[row, column]),
             camera=number,
             base=None if seen is None else _rounded(seen),
             map=None if seen is None or T_map_base is None else _rounded(transform(T_map_base, seen[None])[0]),
@@ -94,11 +99,21 @@ class Pixels:
                 cameras = self._reader.cameras(node_id)
             except DatabaseError:
                 # The node itself says so; depth is told without the point.
-                return _Depths(self._reader.depth_m(node_id), (), stereo=False)
+                return self._measured(node_id, ())
             if self._reader.baselines(node_id):
                 depths = [view.depth_m for view in node_views(self._reader, node_id)]
                 return _Depths(np.hstack(depths), cameras, stereo=True)
-        return _Depths(self._reader.depth_m(node_id), cameras, stereo=False)
+        return self._measured(node_id, cameras)
+
+    def _measured(self, node_id: int, cameras: tuple[Camera, ...]) -> _Depths:
+        depth_m = self._reader.depth_m(node_id)
+        try:
+            confidence = self._reader.confidence(node_id)
+        except DatabaseError:
+            # Its picture says so; depth is told without it.
+            confidence = None
+        fits = confidence is not None and confidence.shape == depth_m.shape
+        return _Depths(depth_m, cameras, stereo=False, confidence=confidence if fits else None)
 
 
 def _place(camera: Camera, column: int, row: int, width: int, height: int) -> tuple[float, float] | None:

@@ -8,7 +8,7 @@ from server.engine.channel import Channel
 from server.engine.commands import CancelJob, Decide, Edit, EditJob, Request, SetParams, StartJob, Stop
 from server.engine.decision import carry_out
 from server.engine.edits import Edits
-from server.engine.events import Ended, GraphChanged, Started
+from server.engine.events import Ended, GraphChanged, GridChanged, Started
 from server.engine.opened import Opened, opened
 from server.engine.running_job import RunningJob
 from server.errors import EngineError
@@ -41,15 +41,17 @@ class Editor:
     def _serve(self, map_file: Opened) -> None:
         grid = map_file.grid
         while True:
-            request = self._channel.next(0 if self._job else _REST_SECONDS if grid.is_due else _IDLE_SECONDS)
+            busy = self._job is not None or grid.is_begun
+            request = self._channel.next(0 if busy else _REST_SECONDS if grid.is_due else _IDLE_SECONDS)
             stopping = request is not None and isinstance(request.command, Stop)
             if stopping and self._job is not None:
                 self._job.cancel()
             if request is None and self._job is not None:
                 self._work(map_file, self._job)
             elif grid.is_due and (request is None or stopping):
-                grid.carry_out()
-                self._channel.send(GraphChanged())
+                # Node by node, so that a decision does not wait for it; once nobody can ask any more, at once.
+                if grid.carry_out() if stopping else grid.step():
+                    self._channel.send(GridChanged())
             elif request is None:
                 return
             if stopping:
@@ -105,7 +107,7 @@ class Editor:
         self._channel.answer(request, answer)
 
     def _changed(self, map_file: Opened) -> None:
-        map_file.grid.is_due = True
+        map_file.grid.poses_changed()
         self._channel.send(GraphChanged())
 
     def _require_rest(self) -> None:

@@ -74,7 +74,12 @@ class Moved:
 
 @dataclass(frozen=True, slots=True)
 class GraphChanged:
-    """Poses, links or the grid of the file are others now."""
+    """Poses or links of the file are others now."""
+
+
+@dataclass(frozen=True, slots=True)
+class GridChanged:
+    """The floor plan of the file is another now, and nothing else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,4 +134,4 @@ class Ended:
     summary: Mapping[str, Any] | None = None
 
 
-Event = Started | Progress | NodeAdded | Moved | GraphChanged | InForce | JobTold | Answer | Ended
+Event = Started | Progress | NodeAdded | Moved | GraphChanged | GridChanged | InForce | JobTold | Answer | Ended

@@ -9,7 +9,14 @@ from fastapi import APIRouter, Query, Response
 from server.browse import nodes
 from server.browse.nodes import NodeOrder
 from server.browse.pairs import node_pair
-from server.browse.pictures import DepthColours, coloured_depth, coloured_disparity, stored_image, stored_right
+from server.browse.pictures import (
+    DepthColours,
+    coloured_confidence,
+    coloured_depth,
+    coloured_disparity,
+    stored_image,
+    stored_right,
+)
 from server.browse.plans import grid_picture, scan_picture
 from server.routes.access import NodeId, ViewDep
 from server.routes.pictures import ANY, PNG, picture
@@ -61,6 +68,12 @@ def get_node_depth(
 def get_node_disparity(view: ViewDep, node_id: NodeId, colours: DepthColours = "turbo") -> Response:
     """The disparity of a stereo pair in colours, likewise."""
     return picture(coloured_disparity(view, node_id, colours), "image/png")
+
+
+@router.get("/{node_id}/confidence.png", response_class=Response, responses=PNG)
+def get_node_confidence(view: ViewDep, node_id: NodeId, colours: DepthColours = "turbo") -> Response:
+    """How sure the camera was of its depth, from 0 to 100, likewise."""
+    return picture(coloured_confidence(view, node_id, colours), "image/png")
 
 
 @router.get("/{node_id}/right", response_class=Response, responses=ANY)

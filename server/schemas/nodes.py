@@ -173,6 +173,8 @@ class NodeDetail(NodeRow):
     has_depth: bool
     has_right: bool
     """Whether the right image of a stereo pair is stored, in place of depth."""
+    has_confidence: bool
+    """Whether it is stored how sure the camera was of its depth."""
     decisions: list[JournalEntry]
     faults: list[RowFault]
     """What of this node makes no sense; the rest is here."""
@@ -206,6 +208,8 @@ class PixelDepth(Schema):
     """Along the optical axis; None where no depth was measured."""
     stereo: bool
     """Whether depth is worked out from a stereo pair, and not stored."""
+    confidence: int | None
+    """How sure the camera was of it, 0 to 100; None where that is not stored."""
     camera: int
     """Of several cameras, whose image it is in, from 0."""
     base: Axes | None

@@ -162,6 +162,13 @@ def read_ids_with(connection: Connection, column: Column[bytes]) -> NDArray[np.i
     return np.array(connection.scalars(query).all(), dtype=np.int32)
 
 
+def read_ids_with_grid(connection: Connection) -> NDArray[np.int32]:
+    """Ascending ids of the nodes that have a local grid."""
+    return np.array(
+        connection.scalars(select(data.c.id).where(data.c.cell_size > 0).order_by(data.c.id)).all(), np.int32
+    )
+
+
 def _blob(connection: Connection, node_id: int, column: Column[bytes]) -> bytes | None:
     return connection.scalar(select(column).where(data.c.id == node_id))
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Collection, Sequence
 from typing import Literal
 
 import numpy as np
@@ -12,35 +10,30 @@ from numpy.typing import NDArray
 
 from slam.camera import Camera
 from slam.database import admin_rows, data_rows, mesh_rows, node_rows, pose_rows, sensor_rows, statistics_rows
+from slam.database.data_reader import DataReader
 from slam.database.deck_reader import DeckReader
-from slam.database.faults import Faults, reason_of
-from slam.database.feature_rows import read_features
+from slam.database.faults import Faults
 from slam.database.flaws import Flaws, read_flaws
 from slam.database.guard import LARGE_VALUE
-from slam.database.image_size import check_size
-from slam.database.images import decode_color, decode_depth
 from slam.database.info import read_info
 from slam.database.link_rows import count_one_way, read_link_user_data, read_links
 from slam.database.mesh_rows import Cloud, Mesh
 from slam.database.parameter_rows import read_parameters
 from slam.database.records import WordRows
 from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
-from slam.database.scans import StoredScan
 from slam.database.schema import has_deck_tables
-from slam.database.sensor_values import Gps, NodeSensors
+from slam.database.sensor_values import Gps
 from slam.database.session_rows import read_sessions
-from slam.database.stored_rows import read_stored_columns
 from slam.database.tables import data
 from slam.database.time_enter import read_memory_ids, read_memory_node_ids
 from slam.database.word_rows import read_last_word_id, read_words
-from slam.errors import DamagedRowError, DatabaseError
 from slam.geometry import Pose
-from slam.types import Features, Link, LocalGrid, OccupancyGrid, Scan
+from slam.types import Link, OccupancyGrid
 
 _KINDS = {"image": data.c.image, "depth": data.c.depth, "calibration": data.c.calibration, "scan": data.c.scan}
 
 
-class MapReader(DeckReader):
+class MapReader(DeckReader, DataReader):
     """Reads a map file of slamdeck or of RTAB-Map 0.5 to 0.23 (of before 0.18 to look at only).
 
     Each call opens and closes its own connection: calls may come from any thread, each sees the last commit of a writer
@@ -68,6 +61,11 @@ class MapReader(DeckReader):
         """Ascending ids of the nodes that have data of a kind."""
         with self._reading("reading the nodes") as connection:
             return data_rows.read_ids_with(connection, _KINDS[kind])
+
+    def nodes_with_grid(self) -> NDArray[np.int32]:
+        """Ascending ids of the nodes that have a local grid."""
+        with self._reading("reading the nodes") as connection:
+            return data_rows.read_ids_with_grid(connection)
 
     def first_node_with(self, kind: Literal["image", "depth", "calibration"]) -> int | None:
         """The smallest id of a node that has data of a kind; None when there is none."""
@@ -114,60 +112,6 @@ class MapReader(DeckReader):
         with self._reading("reading the grid", LARGE_VALUE) as connection:
             return admin_rows.read_grid(connection)
 
-    def image(self, node_id: int) -> bytes:
-        """The colour image as stored (JPEG or PNG)."""
-        with self._reading(f"reading the image of node {node_id}", LARGE_VALUE) as connection:
-            return data_rows.read_image(connection, node_id)
-
-    def image_file(self, node_id: int) -> bytes:
-        """The same for another program to decode: refused when its header claims a size that no camera has."""
-        blob = self.image(node_id)
-        with _about(self.path, node_id):
-            check_size(blob, "colour")
-        return blob
-
-    def image_bgr(self, node_id: int) -> NDArray[np.uint8]:
-        """The colour image (H, W, 3), blue green red."""
-        blob = self.image(node_id)
-        with _about(self.path, node_id):
-            return decode_color(blob)
-
-    def depth(self, node_id: int) -> bytes:
-        """The depth image as stored (RVL or PNG)."""
-        with self._reading(f"reading the depth of node {node_id}", LARGE_VALUE) as connection:
-            return data_rows.read_depth(connection, node_id)
-
-    def depth_m(self, node_id: int) -> NDArray[np.float32]:
-        """The depth image (H, W) in metres, 0 where unknown."""
-        blob = self.depth(node_id)
-        with _about(self.path, node_id):
-            return decode_depth(blob)
-
-    def camera(self, node_id: int) -> Camera:
-        """The first camera of a node."""
-        return self.cameras(node_id)[0]
-
-    def cameras(self, node_id: int) -> tuple[Camera, ...]:
-        """All cameras of a node; the image has one tile for each, left to right."""
-        with self._reading(f"reading the calibration of node {node_id}") as connection, _about(self.path, node_id):
-            return data_rows.read_cameras(connection, node_id)
-
-    def baselines(self, node_id: int) -> tuple[float, ...]:
-        """Baseline in metres of each stereo pair of a node, whose right images are where depth is of others."""
-        with self._reading(f"reading the calibration of node {node_id}") as connection, _about(self.path, node_id):
-            return data_rows.read_baselines(connection, node_id)
-
-    def right_bgr(self, node_id: int) -> NDArray[np.uint8]:
-        """The right image (H, W, 3) of a node of a stereo camera; of several, one tile for each."""
-        blob = self.depth(node_id)
-        with _about(self.path, node_id):
-            return decode_color(blob)
-
-    def sensors(self, node_id: int) -> NodeSensors:
-        """Velocity, GPS, environmental sensors, global descriptors and user data of a node."""
-        with self._reading(f"reading the sensors of node {node_id}") as connection, _about(self.path, node_id):
-            return sensor_rows.read_sensors(connection, node_id)
-
     def gps(self) -> dict[int, Gps]:
         """Where on the earth the nodes were, by id, of those that know."""
         with self._reading("reading the positions of GPS") as connection:
@@ -208,57 +152,15 @@ class MapReader(DeckReader):
         with self._reading("reading the calibrations") as connection:
             return data_rows.read_first_cameras(connection)
 
-    def features(self, node_id: int) -> tuple[Features, NDArray[np.int32]]:
-        """Key points of a node, in the order they were written, and their word ids (N,)."""
-        doing = f"reading the key points of node {node_id}"
-        with self._reading(doing) as connection, _about(self.path, node_id, "Feature"):
-            return read_features(connection, node_id)
-
-    def seen(self, node_ids: Iterable[int]) -> list[tuple[Features, NDArray[np.int32], Scan | None]]:
-        """What ``features`` and ``scan`` have of several nodes, through one connection."""
-        found = []
-        with self._reading("reading nodes", LARGE_VALUE) as connection:
-            for node_id in node_ids:
-                with _about(self.path, node_id, "Feature"):
-                    features, word_ids = read_features(connection, node_id)
-                with _about(self.path, node_id):
-                    found.append((features, word_ids, data_rows.read_scan(connection, node_id)))
-        return found
-
     def words(self, ids: Sequence[int] | None = None) -> WordRows:
         """The whole dictionary, or those of these words that it has; ascending by id."""
         with self._reading("reading the dictionary") as connection:
             return read_words(connection, ids)
 
-    def scan(self, node_id: int) -> Scan | None:
-        """The cloud of a node in its base frame; None when it has none."""
-        with (
-            self._reading(f"reading the cloud of node {node_id}", LARGE_VALUE) as connection,
-            _about(self.path, node_id),
-        ):
-            return data_rows.read_scan(connection, node_id)
-
-    def stored_scan(self, node_id: int) -> StoredScan | None:
-        """The same with intensities, colours, and what is known of the scanner."""
-        doing = f"reading the cloud of node {node_id}"
-        with self._reading(doing, LARGE_VALUE) as connection, _about(self.path, node_id):
-            return data_rows.read_stored_scan(connection, node_id)
-
-    def stored_columns(self, node_id: int, *, images: bool = True) -> tuple[dict[str, object], dict[str, object]]:
-        """What a replay hands on of a node, as it is: columns of the tables Node and Data by name."""
-        with self._reading(f"reading node {node_id}") as connection:
-            return read_stored_columns(connection, node_id, images=images)
-
     def last_word_id(self) -> int:
         """The largest id of a word, 0 when there is none."""
         with self._reading("reading the dictionary") as connection:
             return read_last_word_id(connection)
-
-    def local_grid(self, node_id: int) -> LocalGrid | None:
-        """The local grid of a node; None when it has none."""
-        doing = f"reading the local grid of node {node_id}"
-        with self._reading(doing, LARGE_VALUE) as connection, _about(self.path, node_id):
-            return data_rows.read_local_grid(connection, node_id)
 
     def statistics(
         self,
@@ -307,12 +209,3 @@ class MapReader(DeckReader):
         """All sessions by number."""
         with self._reading("reading the sessions") as connection:
             return read_sessions(connection, deck=has_deck_tables(connection), faults=faults)
-
-
-@contextmanager
-def _about(path: Path, node_id: int, table: str = "Data") -> Iterator[None]:
-    """Say in an error which row of which file it is about."""
-    try:
-        yield
-    except (DatabaseError, ValueError, TypeError, OverflowError) as error:
-        raise DamagedRowError(table, str(node_id), reason_of(error), f"{path}: ") from error

@@ -74,13 +74,17 @@ class GlobalGrid:
         Returns:
             Whether the grid was made anew.
         """
-        where = {i: _planar(poses[i]) for i in self._placed if i in poses}
-        limit = self.params.GridGlobal.UpdateError
-        if len(where) == len(self._placed) and all(_travel(self._placed[i], to) <= limit for i, to in where.items()):
+        if self.fits(poses):
             return False
+        where = {i: _planar(poses[i]) for i in self._placed if i in poses}
         self._placed = {i: replace(self._placed[i], where=to) for i, to in where.items()}
         self._rebuild()
         return True
+
+    def fits(self, poses: Mapping[int, Pose]) -> bool:
+        """Whether all nodes have a pose, about where they are in the grid (``GridGlobal/UpdateError``)."""
+        limit = self.params.GridGlobal.UpdateError
+        return all(i in poses and _travel(one, _planar(poses[i])) <= limit for i, one in self._placed.items())
 
     def follow(self, poses: Mapping[int, Pose], node_ids: Iterable[int]) -> bool:
         """Note where some nodes are now, for the next ``rebuild``; whether any is farther off than allowed."""

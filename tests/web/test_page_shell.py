@@ -62,6 +62,22 @@ def test_the_3d_view_stays_while_views_change(library: Served, open_page: OpenPa
     assert view.evaluate("() => getComputedStyle(document.body).backgroundColor") == _CANVAS
 
 
+def test_the_first_canvas_does_not_wait_for_the_3d_view(library: Served, open_page: OpenPage) -> None:
+    page = open_page(library)
+    page.add_init_script("""{
+      window.framesAtCanvas = [];
+      const make = HTMLCanvasElement.prototype.getContext;
+      HTMLCanvasElement.prototype.getContext = function (...what) {
+        window.framesAtCanvas.push(document.querySelectorAll("iframe").length);
+        return make.apply(this, what);
+      };
+    }""")
+    page.goto(f"{library.base}#/map/flat/loops")
+    page.reload()
+    expect(page.locator("iframe")).to_be_attached()
+    assert page.evaluate("framesAtCanvas[0]") == 0
+
+
 def test_the_palette_goes_to_nodes_views_and_parameters(library: Served, open_page: OpenPage) -> None:
     page = open_page(library, "#/map/flat/loops")
     page.keyboard.press("Control+k")

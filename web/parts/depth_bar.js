@@ -1,22 +1,24 @@
 // The choice of how depth looks, the same for all nodes.
 import { h, html } from "../html.js";
-import { DEPTH_COLOURS, SECONDS, depthColours, farthest, nearest, secondShown, veil, withEdges } from "../depth_look.js";
+import { DEPTH_COLOURS, depthColours, farthest, nearest, secondShown, veil, withEdges } from "../depth_look.js";
 import { Chip } from "./button.js";
 import { metres } from "./inputs.js";
 
 /** @typedef {{currentTarget: HTMLInputElement}} Changed */
 
-/** @param {{stereo: boolean}} props stereo: whether there is a right image, which can be shown in place of depth */
-export function DepthLook({ stereo }) {
+/** @param {{seconds: string[]}} props seconds: what can be beside the colour image */
+export function DepthLook({ seconds }) {
+  const choice = seconds.length > 1;
+  const shown = seconds.includes(secondShown.value) ? secondShown.value : seconds[0];
   return html`<div class="picture-bar depth-bar" role="group" aria-label="How depth looks">
-    ${stereo &&
-    html`<label class="chip chip-select" title="Beside the left image: the right one, or what is worked out of both">
-      <select aria-label="Second picture" value=${secondShown.value} onChange=${(/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) => (secondShown.value = currentTarget.value)}>
-        ${SECONDS.map((name) => html`<option key=${name} value=${name}>${name}</option>`)}
+    ${choice &&
+    html`<label class="chip chip-select" title="What is beside the colour image">
+      <select aria-label="Second picture" value=${shown} onChange=${(/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) => (secondShown.value = currentTarget.value)}>
+        ${seconds.map((name) => html`<option key=${name} value=${name}>${name}</option>`)}
       </select>
     </label>`}
     <label class="chip chip-select">
-      ${stereo ? "" : "Depth"}
+      ${choice ? "" : "Depth"}
       <select aria-label="Colours of depth" value=${depthColours.value} onChange=${(/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) => (depthColours.value = currentTarget.value)}>
         ${DEPTH_COLOURS.map((name) => html`<option key=${name} value=${name}>${name}</option>`)}
       </select>

@@ -2,7 +2,7 @@
 import { useRef, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import { address } from "../api.js";
-import { depthAddress, disparityAddress, secondShown } from "../depth_look.js";
+import { colouredAddress, depthAddress, secondOf, secondsOf } from "../depth_look.js";
 import { pointAt } from "../pointed.js";
 import { Button } from "./button.js";
 import { Canvas, useImage } from "./canvas.js";
@@ -35,30 +35,34 @@ export function NodeImages({ map, node }) {
       ${h(KeyPointsToggle, { node, features })}<span class="grow"></span>
       ${(node.has_image || node.has_depth) && h(Button, { icon: "export", hint: "Save both pictures as PNG", kind: "bare", onClick: () => saveShown(pictures.current, `node ${node.id}`) })}
     </figcaption>
-    ${(node.has_depth || node.has_right) && h(DepthLook, { stereo: node.has_right })}
-    ${large && h(Lightbox, { title: `Node ${node.id}, ${large === "depth" && node.has_right ? secondShown.value : large}`, aspect: width / height, close, children: html`<div>${large === "colour" ? colour : depth}${line}</div>` })}
+    ${(node.has_depth || node.has_right) && h(DepthLook, { seconds: secondsOf(node) })}
+    ${large && h(Lightbox, { title: `Node ${node.id}, ${large === "depth" ? secondOf(node) : large}`, aspect: width / height, close, children: html`<div>${large === "colour" ? colour : depth}${line}</div>` })}
   </figure>`;
 }
 
 /** Whether the second picture has the pixels of the first. @param {NodeDetail} node */
-export function isAligned({ has_right }) {
-  return !has_right || secondShown.value !== "right";
+export function isAligned(node) {
+  return secondOf(node) !== "right";
 }
 
 /** What the second picture is. @param {NodeDetail} node */
-function besides({ has_right, has_depth }) {
-  if (has_right) return `Left image, ${SECOND_NAMES[secondShown.value]}; point at a pixel for its depth`;
-  return has_depth ? "Point at a pixel for its depth" : "No depth is stored";
+function besides(node) {
+  if (node.has_right) return `Left image, ${SECOND_NAMES[secondOf(node)]}; point at a pixel for its depth`;
+  return node.has_depth ? "Point at a pixel for its depth" : "No depth is stored";
 }
 
 const SECOND_NAMES = /** @type {Record<string, string>} */ ({ right: "right image", disparity: "disparity", depth: "depth of the pair" });
 
-/** Depth, or what there is of a stereo pair: the right image, disparity, depth. @param {{map: string, node: NodeDetail, onPoint?: OnPoint}} props */
+/**
+ * Depth and how sure the camera was of it, or what there is of a stereo pair: the right image, disparity, depth.
+ * @param {{map: string, node: NodeDetail, onPoint?: OnPoint}} props
+ */
 export function SecondPicture({ map, node, onPoint }) {
-  if (!node.has_right) return h(Second, { name: "Depth image", id: node.id, source: node.has_depth ? depthAddress(map, node.id) : null, onPoint });
-  if (secondShown.value === "disparity") return h(Second, { name: "Disparity", id: node.id, source: disparityAddress(map, node.id), onPoint });
-  if (secondShown.value === "depth") return h(Second, { name: "Depth image", id: node.id, source: depthAddress(map, node.id), onPoint });
-  return h(Second, { name: "Right image", id: node.id, source: address("api", "maps", map, "nodes", node.id, "right") });
+  const second = secondOf(node);
+  if (second === "right") return h(Second, { name: "Right image", id: node.id, source: address("api", "maps", map, "nodes", node.id, "right") });
+  if (second === "disparity") return h(Second, { name: "Disparity", id: node.id, source: colouredAddress(map, node.id, second), onPoint });
+  if (second === "confidence") return h(Second, { name: "Confidence of depth", id: node.id, source: colouredAddress(map, node.id, second), onPoint });
+  return h(Second, { name: "Depth image", id: node.id, source: node.has_depth || node.has_right ? depthAddress(map, node.id) : null, onPoint });
 }
 
 /** @param {{name: string, id: number, source: string | null, onPoint?: OnPoint}} props */

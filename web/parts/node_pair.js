@@ -9,6 +9,7 @@ import { pointAt } from "../pointed.js";
 import { link } from "../router.js";
 import { graphRevision } from "../store.js";
 import { Button, Chip } from "./button.js";
+import { secondsOf } from "../depth_look.js";
 import { DepthLook } from "./depth_bar.js";
 import { LinkName } from "./link_name.js";
 import { useFeatures } from "./keypoints.js";
@@ -100,7 +101,7 @@ function Both({ map, first, other, common }) {
         const one = /** @type {NodeDetail} */ (node);
         return h(PixelLine, { key: one.id, node: one, features: /** @type {import("./pixel.js").NodeFeatures | null} */ (features), quiet: one === first ? "Point at a pixel for its depth" : "" });
       })}
-      ${[first, other].some(({ has_depth, has_right }) => has_depth || has_right) && h(DepthLook, { stereo: first.has_right || other.has_right })}
+      ${[first, other].some(({ has_depth, has_right }) => has_depth || has_right) && h(DepthLook, { seconds: [...new Set([...secondsOf(first), ...secondsOf(other)])] })}
       ${large && h(Lightbox, { title: `Nodes ${first.id} and ${other.id}`, close: () => setLarge(false), children: picture })}
     </figure>
     ${h(Overlay, { from: first.id, to: other.id, measured: common.links.some(({ transform }) => transform !== null), scans: [first, other].map(({ sensors }) => Boolean(sensors.scan?.points)) })}

@@ -37,7 +37,7 @@ function disparityText({ cameras }, { camera, depth_m, depth_width }) {
 
 /** @param {import("../pointed.js").PixelDepth} pixel @param {NodeDetail} node */
 function depthParts(pixel, node) {
-  const { u, v, depth_u, depth_v, depth_m, stereo, base, map, depth_width, depth_height } = pixel;
+  const { u, v, depth_u, depth_v, depth_m, stereo, confidence, base, map, depth_width, depth_height } = pixel;
   const point = (/** @type {number[]} */ of) => of.map((value) => text.fixed(value, 2)).join(" ");
   const hint = `Pixel ${depth_u}, ${depth_v} of the depth image of ${depth_width} × ${depth_height}`;
   return html`<span class="pixel-parts">
@@ -45,6 +45,7 @@ function depthParts(pixel, node) {
     ${depth_m === null
       ? html`<span class="ink-warn">no depth here</span>`
       : html`<b title=${stereo ? "Worked out from the stereo pair" : "Along the optical axis, as it is stored"}>${text.fixed(depth_m, 3)} m${stereo ? ` (${disparityText(node, pixel)})` : ""}</b>`}
+    ${confidence !== null && html`<span title="How sure the camera was of it, 0 to 100"><span class="quiet">confidence</span> ${confidence}</span>`}
     ${base && html`<span title="The point in the frame of the base, metres"><span class="quiet">base</span> ${point(base)}</span>`}
     ${map && html`<span title="The point in the frame of the map, metres"><span class="quiet">map</span> ${point(map)}</span>`}
   </span>`;

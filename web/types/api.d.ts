@@ -516,6 +516,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/confidence.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Node Confidence
+         * @description How sure the camera was of its depth, from 0 to 100, likewise.
+         */
+        get: operations["get_node_confidence"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/depth.png": {
         parameters: {
             query?: never;
@@ -2596,6 +2616,11 @@ export interface components {
             faults: components["schemas"]["RowFault"][];
             /** Features */
             features: number;
+            /**
+             * Has Confidence
+             * @description Whether it is stored how sure the camera was of its depth.
+             */
+            has_confidence: boolean;
             /** Has Depth */
             has_depth: boolean;
             /** Has Image */
@@ -3089,6 +3114,11 @@ export interface components {
              * @description Of several cameras, whose image it is in, from 0.
              */
             camera: number;
+            /**
+             * Confidence
+             * @description How sure the camera was of it, 0 to 100; None where that is not stored.
+             */
+            confidence: number | null;
             /** Depth Height */
             depth_height: number;
             /**
@@ -5884,6 +5914,77 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["NodeDetail"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_node_confidence: {
+        parameters: {
+            query?: {
+                colours?: "turbo" | "viridis" | "jet" | "gray";
+            };
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An image. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
                 };
             };
             /** @description No token. */

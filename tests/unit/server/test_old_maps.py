@@ -8,6 +8,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -120,6 +121,25 @@ def test_a_stereo_camera_shows_its_right_image(client: RunningApp) -> None:
         assert client.get(f"/api/maps/rich/nodes/1/{made}").headers["content-type"] == "image/png"
     refused = client.get("/api/maps/old/nodes/1/disparity.png")
     assert refused.status_code == 404 and "no stereo pair" in refused.json()["error"]["message"]
+
+
+def test_how_sure_the_camera_was_of_its_depth_is_shown(start_app: StartApp, tmp_path: Path) -> None:
+    old.write_old(tmp_path / "sure.db", (0, 22, 0))
+    damaged = old.write_old(tmp_path / "damaged.db", (0, 22, 0))
+    execute(damaged, ("UPDATE Data SET depth_confidence = x'0102030405060708090a0b0c0d0e0f1011'", ()))
+    old.write_old(tmp_path / "before.db", (0, 20, 0))
+    client = start_app(tmp_path)
+    assert get(client, "/api/maps/sure/nodes/1")["has_confidence"]
+    image = cv2.imdecode(
+        np.frombuffer(client.get("/api/maps/sure/nodes/1/confidence.png?colours=gray").content, np.uint8), -1
+    )
+    assert image is not None and image.shape == (48, 64, 4) and (image[..., 0] == 255).all()
+    assert get(client, "/api/maps/sure/nodes/1/pixel?x=0.5&y=0.5")["confidence"] == 100
+    assert get(client, "/api/maps/damaged/nodes/1/pixel?x=0.5&y=0.5")["confidence"] is None
+    assert client.get("/api/maps/damaged/nodes/1/confidence.png").json()["error"]["table"] == "Data"
+    assert not get(client, "/api/maps/before/nodes/1")["has_confidence"]
+    refused = client.get("/api/maps/before/nodes/1/confidence.png")
+    assert refused.status_code == 404 and "no confidence" in refused.json()["error"]["message"]
 
 
 def test_landmarks_and_links_of_one_node(client: RunningApp) -> None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from server.browse.map_view import MapView
 from server.catalog import MapFile
+from slam.database import MapWriter
+from slam.types import OccupancyGrid
 from tests.unit.server.loop_map import NODES, add_node, write_loop_map
 
 
@@ -27,6 +30,21 @@ def test_the_same_snapshot_as_long_as_nothing_changes(path: Path) -> None:
     first = view.snapshot()
     assert view.touch() == first.revision + 1
     assert view.snapshot().revision == first.revision + 1
+
+
+def test_a_floor_plan_that_was_made_anew_is_no_other_graph(path: Path) -> None:
+    write_loop_map(path)
+    view = view_of(path)
+    before = view.snapshot()
+    with MapWriter.open(path) as writer:
+        writer.save_grid(OccupancyGrid(np.zeros((3, 4), np.int8), 0.0, 0.0, 0.05))
+        view.grid_written()
+        assert view.snapshot() is before and before.reader.grid() is not None
+        # One that was told of together with a decision does not hide it.
+        revision = view.touch()
+        writer.save_grid(None)
+        view.grid_written()
+        assert view.snapshot().revision == revision
 
 
 def test_nodes_of_a_writer_at_work_are_seen_with_their_tiers(path: Path) -> None:
