@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import Literal
 
 from server.browse.edits import link_types
 from server.browse.journal import decision_result
@@ -13,7 +12,8 @@ from server.errors import EngineError, NotFoundError
 from server.hub import Hub
 from server.schemas import DetectOptions, Job, RefineOptions
 from server.schemas import StartJob as StartJobBody
-from slam.edit.wishes import Detection, Refinement
+from server.schemas.edits import JobKind
+from slam.edit.wishes import Detection, Refinement, Regrid
 from slam.errors import SlamError
 
 #: Lines of a log that are kept.
@@ -43,6 +43,8 @@ class Jobs:
         """What the engine is asked for."""
         if body.detect is not None:
             return StartJob(next(self._numbers), _detection(body.detect), author)
+        if body.regrid is not None:
+            return StartJob(next(self._numbers), Regrid(**body.regrid.model_dump()), author)
         return StartJob(next(self._numbers), _refinement(body.refine or RefineOptions()), author)
 
     def begun(self, map_id: str, command: StartJob) -> Job:
@@ -54,8 +56,7 @@ class Jobs:
         job = self._last.get(map_id)
         if job is not None and job.state == "running":
             raise EngineError(f"a job is at work on {map_id}: wait until it has ended, or cancel it")
-        kind: Literal["detect", "refine"] = "detect" if isinstance(command.wanted, Detection) else "refine"
-        job = Job(id=command.number, kind=kind, state="running", share=0, log=[], message="", decision=None)
+        job = Job(id=command.number, kind=_kind(command), state="running", share=0, log=[], message="", decision=None)
         self._tell(map_id, job)
         return job
 
@@ -91,6 +92,12 @@ def _followed(job: Job, event: JobTold) -> Job:
             "decision": None if event.effect is None else decision_result(event.effect, None),
         }
     )
+
+
+def _kind(command: StartJob) -> JobKind:
+    if isinstance(command.wanted, Detection):
+        return "detect"
+    return "regrid" if isinstance(command.wanted, Regrid) else "refine"
 
 
 def _detection(options: DetectOptions) -> Detection:

@@ -40,6 +40,14 @@ class Camera:
         """(3, 3) intrinsic matrix."""
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
 
+    def at_size(self, width: int, height: int) -> Camera:
+        """The camera of an image with another number of pixels, as that of depth may have; itself without a size."""
+        if not self.width or not self.height or (width, height) == (self.width, self.height):
+            return self
+        x, y = width / self.width, height / self.height
+        centre = (self.cx + 0.5) * x - 0.5, (self.cy + 0.5) * y - 0.5
+        return Camera(width, height, self.fx * x, self.fy * y, *centre, self.T_base_cam)
+
     def unproject(self, pixels: NDArray[np.floating], depth_m: NDArray[np.floating]) -> NDArray[np.float64]:
         """Points in the optical frame, (N, 3) metres, of pixels (N, 2) at depth (N,) metres along z."""
         z = np.asarray(depth_m, dtype=np.float64)

@@ -260,6 +260,11 @@ class Review:
                 f"{entries[0].action} {_named(entries)} would not last: the engine that makes the map optimises it anew"
                 " with the next loop. Stop the run first"
             )
+        if self._nodes_stay and any(entry.grids is not None for entry in entries):
+            raise DecisionError(
+                f"{entries[0].action} {_named(entries)} would change local grids, which the engine that makes the map"
+                " holds in its floor plan: stop the run first"
+            )
         poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
         known, params = self._there(steps, entries), self._params_of(entries)
         was = self._chi2(), self._ate_at(poses)
@@ -329,7 +334,10 @@ class Review:
         poses = self.graph.poses if add or remove or restore or drop or _placement(entries) else {}
         numbers = self._writer.append_decisions(entries, add=add, remove=gone, poses=poses, candidates=candidates)
         batch = numbers[0] if len(numbers) > 1 else None
-        return [replace(entry, id=k, batch=batch) for entry, k in zip(entries, numbers, strict=True)]
+        return [
+            replace(entry, id=k, batch=batch, grids=None if entry.grids is None else entry.grids.kept(k))
+            for entry, k in zip(entries, numbers, strict=True)
+        ]
 
     def _looked_at(self) -> Rows:
         rows: dict[tuple[int, int], list[Candidate]] = {}

@@ -93,7 +93,7 @@ def _entry(action: str, before: Link | None, after: Link | None, author: str) ->
 def _answer(
     action: str, decision: JournalEntry, undoes: int, before: Link | None, after: Link | None, author: str
 ) -> JournalEntry:
-    node, setting, placement = decision.node, decision.setting, decision.placement
+    node, setting, placement, grids = decision.node, decision.setting, decision.placement, decision.grids
     return JournalEntry(
         action=action,
         from_id=decision.from_id,
@@ -101,9 +101,10 @@ def _answer(
         author=author,
         link_before=before,
         link_after=after,
-        note="" if placement is None else decision.note,
+        note="" if placement is None and grids is None else decision.note,
         undoes=undoes,
         node=node if node is None or action == "redo" else node.reversed(),
         setting=setting if setting is None or action == "redo" else setting.reversed(),
         placement=placement if placement is None or action == "redo" else placement.reversed(),
+        grids=None if grids is None else grids.kept(decision.id),
     )

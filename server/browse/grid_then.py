@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections import OrderedDict
 from collections.abc import Hashable, Mapping, Sequence
@@ -72,7 +73,7 @@ class _Course:
 
 
 class GridThen:
-    """Puts local grids together up to any node; for one thread.
+    """Puts local grids together up to any node; for any number of threads, one after the other.
 
     Going on takes in the nodes between, going back begins at the last copy before. Local grids are read once.
     """
@@ -82,6 +83,7 @@ class GridThen:
         self._params = params
         self._locals: dict[int, LocalGrid | None] = {}
         self._courses: OrderedDict[Hashable, _Course] = OrderedDict()
+        self._lock = threading.Lock()
 
     def at(
         self, token: Hashable, order: Sequence[int], count: int, poses: Mapping[int, Pose], seconds: float
@@ -95,16 +97,17 @@ class GridThen:
             poses: id -> ``T_map_base`` of at least these.
             seconds: how long local grids may be put together; what is missing comes with the next call.
         """
-        course = self._courses.setdefault(token, _Course(order, GlobalGrid(self._params)))
-        self._courses.move_to_end(token)
-        while len(self._courses) > _KEPT:
-            self._courses.popitem(last=False)
-        if course.count > count:
-            course.back_to(count)
-        until = time.perf_counter() + seconds
-        while course.count < count and time.perf_counter() < until:
-            self._take_in(course, course.order[course.count], poses)
-        return course.grid.occupancy(), course.count == count
+        with self._lock:
+            course = self._courses.setdefault(token, _Course(order, GlobalGrid(self._params)))
+            self._courses.move_to_end(token)
+            while len(self._courses) > _KEPT:
+                self._courses.popitem(last=False)
+            if course.count > count:
+                course.back_to(count)
+            until = time.perf_counter() + seconds
+            while course.count < count and time.perf_counter() < until:
+                self._take_in(course, course.order[course.count], poses)
+            return course.grid.occupancy(), course.count == count
 
     def _take_in(self, course: _Course, node_id: int, poses: Mapping[int, Pose]) -> None:
         local, T_map_base = self._local(node_id), poses.get(node_id)

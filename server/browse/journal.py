@@ -56,7 +56,7 @@ def journal_entry(entry: StoredEntry) -> JournalEntry:
         from_id=entry.from_id,
         to_id=entry.to_id,
         note=entry.note,
-        of_map=entry.placement is not None,
+        of_map=entry.placement is not None or entry.grids is not None,
         undone_by=entry.undone_by,
         batch=entry.batch,
         effect=DecisionEffect(

@@ -25,7 +25,7 @@ from server.browse.trials import LoopTrials
 from server.browse.what_if import WhatIfs
 from server.catalog import MapFile
 from slam.database import Faults, MapReader, StatisticsTable
-from slam.types import Candidate
+from slam.types import Candidate, OccupancyGrid
 
 Fingerprint = tuple[tuple[int, int], ...]
 
@@ -66,6 +66,7 @@ class MapView:
         self._timeline: Timeline | None = None
         self._past: Past | None = None
         self._grids: GridThen | None = None
+        self._grids_made = 0
         # How many updates slamdeck did not make, and what moved in them.
         self._earlier: tuple[int, Sequence[Move]] = (0, ())
         # Of updates, which are read once.
@@ -115,12 +116,28 @@ class MapView:
         return made
 
     def past(self) -> Past:
-        """The moments of that timeline; for the one thread that draws the 3D view."""
+        """The moments of that timeline."""
         timeline = self.timeline()
         if self._past is None or self._past.timeline is not timeline:
-            self._grids = self._grids or GridThen(self.reader, timeline.snapshot.params)
-            self._past = Past(timeline, self._grids)
+            self._past = Past(timeline, self._local_grids(timeline.snapshot))
         return self._past
+
+    def assembled(self, seconds: float) -> tuple[OccupancyGrid | None, bool]:
+        """The floor plan of the local grids at the poses of now, where the file has none.
+
+        Returns:
+            What is put together within this time and before, and whether that is all.
+        """
+        snapshot = self.snapshot()
+        nodes = [i for i in self.reader.nodes_with_grid().tolist() if i in snapshot.rows]
+        return self._local_grids(snapshot).at((snapshot.revision,), nodes, len(nodes), snapshot.poses, seconds)
+
+    def _local_grids(self, snapshot: Snapshot) -> GridThen:
+        """Read anew when a decision has made some anew, or has taken that back."""
+        made = max((entry.id for entry in snapshot.journal if entry.grids is not None), default=0)
+        if self._grids is None or self._grids_made != made:
+            self._grids, self._grids_made = GridThen(self.reader, snapshot.params), made
+        return self._grids
 
     def _earlier_moves(self, measured: StatisticsTable, recorded: Sequence[Move]) -> Sequence[Move]:
         """Moves of updates that slamdeck did not make; read anew only when there are more of them."""

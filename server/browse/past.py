@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from slam.graph.components import components
 from slam.types import OccupancyGrid
 
 #: How long a grid is put together at a time while somebody scrubs, and for who stays, seconds.
-_SHARE_S, _PATIENT_S = 0.02, 0.2
+SHARE_S, PATIENT_S = 0.02, 0.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,19 +39,24 @@ class Then:
 
 
 class Past:
-    """The moments of one timeline; for one thread."""
+    """The moments of one timeline; for any number of threads, one after the other."""
 
     def __init__(self, timeline: Timeline, grids: GridThen) -> None:
         self.timeline = timeline
         self._poses = PosesThen(timeline)
         self._grids = grids
         self._orders: dict[int, list[int]] = {}
+        self._lock = threading.Lock()
 
     def at(self, at: int, *, with_grid: bool, patient: bool) -> Then:
         """What the map was after the last update that is not after node ``at``.
 
         Poses that take long to work out are those of now unless the caller is ``patient``; the grid goes with them.
         """
+        with self._lock:
+            return self._then(at, with_grid=with_grid, patient=patient)
+
+    def _then(self, at: int, *, with_grid: bool, patient: bool) -> Then:
         moment, poses, failure = self.timeline.moment(at), None, None
         quick = self._poses.is_quick(at)
         if patient or quick:
@@ -60,7 +66,7 @@ class Past:
                 failure = str(error)
         grid, complete = None, True
         if with_grid:
-            grid, complete = self._grid(at, poses, _PATIENT_S if patient else _SHARE_S)
+            grid, complete = self._grid(at, poses, PATIENT_S if patient else SHARE_S)
         return Then(moment, poses, grid, complete and (poses is not None or failure is not None), failure)
 
     def _grid(self, at: int, poses: Mapping[int, Pose] | None, seconds: float) -> tuple[OccupancyGrid | None, bool]:

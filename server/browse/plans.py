@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from server.browse.map_view import MapView
-from server.browse.nodes import require_known
+from server.browse.nodes import require_known, require_node
 from server.browse.plan_reach import cell_count, grid_reach, scan_reach
-from server.errors import NotFoundError
+from server.errors import EngineError, NotFoundError
+from slam.edit.grids import changed, remade
+from slam.edit.wishes import Regrid
 from slam.types import LocalGrid
 
 Array = NDArray[np.float64]
@@ -23,18 +27,42 @@ _POINT = (220, 150, 50, 255)
 #: Heights are coloured between these shares of all points.
 _LEAST, _MOST = 2.0, 98.0
 _FEW = 1500
+_HAIR = 1e-3
 
 
-def grid_picture(view: MapView, node_id: int) -> bytes:
+def grid_picture(view: MapView, node_id: int, changes: str = "") -> bytes:
     """PNG of a node's local grid, transparent where nothing is known; NotFoundError where it has none.
 
-    Its half side is ``grid_reach``, in the levelled base frame.
+    Its half side is ``grid_reach``, in the levelled base frame. With ``changes`` it is the one that those parameters
+    would make, see ``trial_grid``.
     """
     require_known(view.snapshot(), node_id)
-    grid = view.reader.local_grid(node_id)
+    grid = trial_grid(view, node_id, changes) if changes else view.reader.local_grid(node_id)
     if grid is None or not cell_count(grid):
         raise NotFoundError(f"node {node_id} has no local grid")
     return _png(grid_pixels(grid))
+
+
+def trial_grid(view: MapView, node_id: int, changes: str) -> LocalGrid:
+    """The local grid that a node would have with other parameters of ``Grid/``, a JSON object by name.
+
+    Raises:
+        NotFoundError: the map has no such node.
+        EngineError: the changes are no such object.
+        DecisionError: they are of other groups.
+        ParameterError: a name is unknown, or a value out of bounds.
+        DatabaseError: the node has no depth.
+    """
+    snapshot = view.snapshot()
+    require_node(snapshot, node_id)
+    try:
+        wanted = json.loads(changes)
+    except ValueError:
+        wanted = None
+    if not isinstance(wanted, dict):
+        raise EngineError(f'changes is {changes[:40]!r}, and an object of parameters is right: {{"Grid/RangeMax": 3}}')
+    params = changed(snapshot.params, Regrid(changes=wanted))
+    return remade(view.reader, node_id, snapshot.poses[node_id], params)
 
 
 def grid_pixels(grid: LocalGrid) -> Picture:
@@ -72,7 +100,8 @@ def scan_picture(view: MapView, node_id: int) -> bytes:
 
 def _pixels(places: Array, reach: float, side: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Rows and columns of places (N, 2) in a square picture: x goes up, y goes left."""
-    scaled = np.floor((1.0 - places / reach) * 0.5 * side).astype(np.int64).clip(0, side - 1)
+    # Centres of cells may be right between two pixels: a hair decides the same way for all of them.
+    scaled = np.floor((1.0 - places / reach) * 0.5 * side + _HAIR).astype(np.int64).clip(0, side - 1)
     return scaled[:, 0], scaled[:, 1]
 
 

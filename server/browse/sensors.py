@@ -38,7 +38,7 @@ def node_sensors(reader: MapReader, node_id: int) -> NodeSensors:
         vectors=[Vector(type=one.kind, size=len(one.values)) for one in stored.descriptors],
         user_data=user_data_facts(stored.user_data),
         scan=_scan(_readable(problems, reader.stored_scan, node_id)),
-        grid=_grid(_readable(problems, reader.local_grid, node_id)),
+        grid=None if (grid := _readable(problems, reader.local_grid, node_id)) is None else grid_facts(grid),
         problems=problems,
     )
 
@@ -77,9 +77,8 @@ def _scan(stored: StoredScan | None) -> CloudFacts | None:
     )
 
 
-def _grid(grid: LocalGrid | None) -> GridFacts | None:
-    if grid is None:
-        return None
+def grid_facts(grid: LocalGrid) -> GridFacts:
+    """How many cells a local grid has, and of what size."""
     return GridFacts(
         ground=len(grid.ground),
         obstacles=len(grid.obstacles),

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from server.cli.demo import demo
-from server.cli.edits import detect, refine
+from server.cli.edits import detect, refine, regrid
 from server.cli.export import export
 from server.cli.info import info
 from server.cli.merge import merge
@@ -46,6 +46,21 @@ def options(
     """RGB-D SLAM in RTAB-Map's tradition, with a dashboard: map, watch, inspect, correct."""
 
 
-for command in (demo, run, serve, info, reprocess, merge, recover, detect, refine, optimize, turn, export, params):
+for command in (
+    demo,
+    run,
+    serve,
+    info,
+    reprocess,
+    merge,
+    recover,
+    detect,
+    refine,
+    regrid,
+    optimize,
+    turn,
+    export,
+    params,
+):
     app.command()(command)
 app.command("try")(try_parameters)

@@ -1,4 +1,4 @@
-"""``slamdeck detect`` and ``slamdeck refine``: more loops, better links, in a map file."""
+"""``slamdeck detect``, ``refine`` and ``regrid``: more loops, better links, other local grids, in a map file."""
 
 from __future__ import annotations
 
@@ -127,6 +127,31 @@ def refine(
     )
     changes = parameters(config, param)
     told = _carry_out(path, changes, lambda review, views: refine_links(review, views, wanted, author), verbose=verbose)
+    _show(*told, as_json=json)
+
+
+def regrid(
+    path: FileArgument,
+    first: Annotated[int, typer.Option(min=0, help="Smallest id of a node.")] = 0,
+    last: Annotated[int, typer.Option(min=0, help="Largest id of a node; 0 for no limit.")] = 0,
+    session: Annotated[int, typer.Option(min=-1, help="Only nodes of this session; -1 for all.")] = -1,
+    param: ParamOption = None,
+    config: ConfigOption = None,
+    author: AuthorOption = "slamdeck regrid",
+    verbose: VerboseOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Make local grids anew of the stored depth, with other parameters of Grid/, and the floor plan of them.
+
+    One undo on the page takes it back. Ctrl+C leaves the map as it was.
+    """
+    from slam.database import MapReader
+    from slam.edit.grids import regrid as made_anew
+    from slam.edit.wishes import Regrid
+
+    wanted = Regrid(changes=parameters(config, param), first=first, last=last, session=session)
+    reader = MapReader(path)
+    told = _carry_out(path, {}, lambda review, _: made_anew(review, reader, wanted, author), verbose=verbose)
     _show(*told, as_json=json)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from slam.edit.wishes import CovarianceEdit, Detection, LinkEdit, Optimisation, PriorEdit, Refinement, Turn
+from slam.edit.wishes import CovarianceEdit, Detection, LinkEdit, Optimisation, PriorEdit, Refinement, Regrid, Turn
 from slam.params import Value
 from slam.types import Candidate
 
@@ -161,7 +161,7 @@ class StartJob:
     """
 
     number: int
-    wanted: Detection | Refinement
+    wanted: Detection | Refinement | Regrid
     author: str = ""
 
 

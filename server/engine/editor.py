@@ -64,7 +64,7 @@ class Editor:
         if job.is_over:
             self._job = None
             if job.effect is not None:
-                self._changed(map_file)
+                self._changed(map_file, job.effect)
 
     def _attend(self, map_file: Opened, request: Request) -> None:
         try:
@@ -103,11 +103,14 @@ class Editor:
             raise EngineError(f"no engine is mapping {self._path.name}: start a run first")
         # Who asked is answered once everybody has been told.
         if changed:
-            self._changed(map_file)
+            self._changed(map_file, answer.effect if isinstance(answer, Outcome) else answer)
         self._channel.answer(request, answer)
 
-    def _changed(self, map_file: Opened) -> None:
-        map_file.grid.poses_changed()
+    def _changed(self, map_file: Opened, effect: Effect | None) -> None:
+        if effect is not None and any(entry.grids is not None for entry in effect.entries):
+            map_file.grid.locals_changed()
+        else:
+            map_file.grid.poses_changed()
         self._channel.send(GraphChanged())
 
     def _require_rest(self) -> None:

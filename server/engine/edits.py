@@ -16,13 +16,14 @@ from server.engine.commands import (
 from slam.database import JournalEntry, MapReader
 from slam.edit.covariances import weighing
 from slam.edit.detect import detect_more
+from slam.edit.grids import regrid
 from slam.edit.job import Job
 from slam.edit.links import LinkEditor
 from slam.edit.nodes import dropping, labelling
 from slam.edit.placements import optimising, turning
 from slam.edit.priors import placing
 from slam.edit.refine import refine_links
-from slam.edit.wishes import Detection, Outcome
+from slam.edit.wishes import Detection, Outcome, Regrid
 from slam.review import Effect, Review
 
 
@@ -67,4 +68,6 @@ class Edits:
         """The work of a job, not begun."""
         if isinstance(command.wanted, Detection):
             return detect_more(self._review, self._links.views, command.wanted, command.author)
+        if isinstance(command.wanted, Regrid):
+            return regrid(self._review, self._reader, command.wanted, command.author)
         return refine_links(self._review, self._links.views, command.wanted, command.author)

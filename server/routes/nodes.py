@@ -17,12 +17,17 @@ from server.browse.pictures import (
     stored_image,
     stored_right,
 )
-from server.browse.plans import grid_picture, scan_picture
+from server.browse.plans import grid_picture, scan_picture, trial_grid
+from server.browse.sensors import grid_facts
 from server.routes.access import NodeId, ViewDep
 from server.routes.pictures import ANY, PNG, picture
-from server.schemas import NodeDetail, NodeFeatures, NodePage, NodePair, PixelDepth
+from server.schemas import GridFacts, NodeDetail, NodeFeatures, NodePage, NodePair, PixelDepth
 
 router = APIRouter(prefix="/api/maps/{map}/nodes", tags=["nodes"])
+
+GridChanges = Annotated[
+    str, Query(max_length=2000, description="Made anew with these parameters of Grid/, a JSON object by name.")
+]
 
 
 @router.get("")
@@ -100,9 +105,15 @@ def get_node_scan(view: ViewDep, node_id: NodeId) -> Response:
 
 
 @router.get("/{node_id}/grid.png", response_class=Response, responses=PNG)
-def get_node_grid(view: ViewDep, node_id: NodeId) -> Response:
+def get_node_grid(view: ViewDep, node_id: NodeId, changes: GridChanges = "") -> Response:
     """The local grid from above, likewise."""
-    return picture(grid_picture(view, node_id), "image/png")
+    return picture(grid_picture(view, node_id, changes), "image/png")
+
+
+@router.get("/{node_id}/grid")
+def get_trial_grid(view: ViewDep, node_id: NodeId, changes: GridChanges = "{}") -> GridFacts:
+    """What the local grid would be with other parameters."""
+    return grid_facts(trial_grid(view, node_id, changes))
 
 
 @router.get("/{node_id}/pair/{other_id}")

@@ -265,7 +265,8 @@ class Painter:
         if then is not None:
             self._floor.draw_grid(then.grid, picture.look, visible=shown, sharp=then.is_complete)
         else:
-            self._floor.draw_grid(picture.snapshot.reader.grid() if shown else None, picture.look, visible=shown)
+            stored = picture.snapshot.reader.grid() if shown and picture.wanted.floor is None else None
+            self._floor.draw_grid(stored or picture.wanted.floor, picture.look, visible=shown)
 
     def _draw_ground(self, picture: Picture) -> None:
         height = floor_height(picture.graph.positions, self._clouds.sample())

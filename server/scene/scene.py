@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from server.browse.map_view import MapView
-from server.browse.past import Then
+from server.browse.past import PATIENT_S, SHARE_S, Then
 from server.browse.snapshot import Pair
 from server.scene.changes import changed
 from server.scene.colours import NAMED
@@ -18,6 +18,7 @@ from server.schemas import LoopWhatIf
 from server.schemas.scene import Placing, Scene, SceneChange, SceneLayers
 from slam.errors import SlamError
 from slam.geometry import Pose
+from slam.types import OccupancyGrid
 
 if TYPE_CHECKING:
     from server.scene.painter import Painter
@@ -160,6 +161,14 @@ class MapScene:
         self._incomplete = not then.is_complete
         return then
 
+    def _assembled(self, state: Scene) -> OccupancyGrid | None:
+        """The floor plan of now where the file has none, as far as it is put together yet."""
+        if state.at is not None or not state.layers.grid or self.view.reader.grid() is not None:
+            return None
+        grid, complete = self.view.assembled(PATIENT_S if self._patient else SHARE_S)
+        self._incomplete |= not complete
+        return grid
+
     def _placed(self, drawn: Scene, then: Then | None) -> Scene:
         """What is drawn, with where its nodes stand; everybody is told when that is something else than before."""
         if then is None:
@@ -194,7 +203,8 @@ class MapScene:
             state = self.state()
             then = self._then(state)
             placed = self._placed(state, then)
-            shown = Shown(placed, self._ghosts(state), then, self._optimised(state), self._values(state))
+            floor = self._assembled(state)
+            shown = Shown(placed, self._ghosts(state), then, self._optimised(state), floor, self._values(state))
             self._painter.draw(self.view.snapshot(), shown)
         if pose is not None and self._state.at is None:
             self._painter.move(pose)

@@ -9,6 +9,7 @@ from server.browse.past import Then
 from server.schemas import LoopWhatIf
 from server.schemas.scene import Scene
 from slam.geometry import Array
+from slam.types import OccupancyGrid
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,6 +29,7 @@ class Shown:
         ghosts: loops and path with another threshold, or by a trial of other parameters.
         then: the moment that is shown; None for now.
         optimised: an optimisation on trial.
+        floor: the floor plan put together of local grids, where the file has none.
         values: id -> number that nodes are coloured by; None for the colourings that need none.
     """
 
@@ -35,4 +37,5 @@ class Shown:
     ghosts: LoopWhatIf | None = None
     then: Then | None = None
     optimised: OptimisedPath | None = None
+    floor: OccupancyGrid | None = None
     values: Mapping[int, float] | None = None

@@ -16,6 +16,7 @@ Six = Annotated[list[float], Field(min_length=6, max_length=6)]
 Four = Annotated[list[float], Field(min_length=4, max_length=4)]
 MethodName = Literal["visual", "icp", "both"]
 GuessName = Literal["graph", "none"]
+JobKind = Literal["detect", "refine", "regrid"]
 LinkTypeName = Literal[
     "Neighbor",
     "GlobalClosure",
@@ -206,17 +207,30 @@ class RefineOptions(LinkChoice):
     covariance_only: bool = False
 
 
+class RegridOptions(Schema):
+    """Local grids to make anew."""
+
+    changes: dict[str, bool | int | float | str] = Field(default_factory=dict, max_length=100)
+    """Parameters of the group ``Grid/`` that differ from those of the map."""
+    first: Annotated[int, Field(ge=0)] = 0
+    last: Annotated[int, Field(ge=0)] = 0
+    """Ids of nodes; 0 for no limit."""
+    session: Annotated[int, Field(ge=-1)] = -1
+    """Only nodes of this session; -1 for all."""
+
+
 class StartJob(Schema):
-    """Long work on a map: one of both."""
+    """Long work on a map: one of three."""
 
     detect: DetectOptions | None = None
     refine: RefineOptions | None = None
+    regrid: RegridOptions | None = None
     author: Author = ""
 
     @model_validator(mode="after")
     def _is_one(self) -> StartJob:
-        if (self.detect is None) == (self.refine is None):
-            raise ValueError("name one job: detect or refine")
+        if sum(one is not None for one in (self.detect, self.refine, self.regrid)) != 1:
+            raise ValueError("name one job: detect, refine or regrid")
         return self
 
 
@@ -224,7 +238,7 @@ class Job(Schema):
     """The last long work on a map."""
 
     id: int
-    kind: Literal["detect", "refine"]
+    kind: JobKind
     state: Literal["running", "done", "cancelled", "failed"]
     share: float
     """0 to 1."""

@@ -3,7 +3,7 @@
 from slam.database.deck_values import CandidateRow, LoopState, ParameterChange, UpdateRow
 from slam.database.faults import Fault, Faults
 from slam.database.reader import MapReader
-from slam.database.records import JournalEntry, NodeChange, NodeRecord, Reduction, SettingChange, WordRows
+from slam.database.records import GridChange, JournalEntry, NodeChange, NodeRecord, Reduction, SettingChange, WordRows
 from slam.database.removal import remove_map
 from slam.database.rows import MapInfo, NodeRow, NodeTable, SessionRow, StatisticsTable
 from slam.database.writer import MapWriter
@@ -12,6 +12,7 @@ __all__ = [
     "CandidateRow",
     "Fault",
     "Faults",
+    "GridChange",
     "JournalEntry",
     "LoopState",
     "MapInfo",

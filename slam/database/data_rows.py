@@ -75,14 +75,19 @@ def insert_data(
     }
     values: dict[str, Any] = {"id": node_id, **stored, **{name: v for name, v in made.items() if v is not None}}
     if grid is not None:
-        values |= {
-            "ground_cells": pack_row(grid.ground.astype(np.float32)),
-            "obstacle_cells": pack_row(grid.obstacles.astype(np.float32)),
-            "empty_cells": pack_row(grid.empty.astype(np.float32)),
-            "cell_size": grid.cell_size,
-            **{column.name: value for column, value in zip(_VIEW, grid.view_point, strict=True)},
-        }
+        values |= grid_columns(grid)
     connection.execute(insert(data).values(values))
+
+
+def grid_columns(grid: LocalGrid) -> dict[str, Any]:
+    """The columns of a Data row that hold a local grid."""
+    return {
+        "ground_cells": pack_row(grid.ground.astype(np.float32)),
+        "obstacle_cells": pack_row(grid.obstacles.astype(np.float32)),
+        "empty_cells": pack_row(grid.empty.astype(np.float32)),
+        "cell_size": grid.cell_size,
+        **{column.name: value for column, value in zip(_VIEW, grid.view_point, strict=True)},
+    }
 
 
 def update_images(connection: Connection, node_id: int, columns: Mapping[str, object]) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from sqlalchemy import Connection
 
-from slam.database.admin_rows import clear_derived
+from slam.database.admin_rows import clear_derived, write_grid
 from slam.database.candidate_rows import insert_candidates
 from slam.database.journal_rows import append_together
 from slam.database.link_rows import update_information
@@ -61,6 +61,8 @@ def write_decision(
         insert_candidates(connection, max(item.from_id, item.to_id), [item])
     if add or remove or any(_moves_much(entry) for entry in entries):
         clear_derived(connection)
+    elif any(entry.grids is not None for entry in entries):
+        write_grid(connection, None)
     return numbers
 
 

@@ -167,6 +167,30 @@ placement = Table(
     Column("step", Integer),
 )
 
+#: The local grids that an entry of the journal changed: kept with entry ``of``, which made them anew.
+grid_change = Table(
+    "deck_grid_change",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("of", Integer, nullable=False),
+    Column("nodes", Integer, nullable=False),
+)
+
+#: Local grids that are not in Data now: those from before a decision, or, while it is undone, those that it made.
+kept_grid = Table(
+    "deck_local_grid",
+    metadata,
+    Column("of", Integer, primary_key=True, autoincrement=False),
+    Column("node_id", Integer, primary_key=True, autoincrement=False),
+    Column("ground_cells", LargeBinary),
+    Column("obstacle_cells", LargeBinary),
+    Column("empty_cells", LargeBinary),
+    Column("cell_size", Float),
+    Column("view_point_x", Float),
+    Column("view_point_y", Float),
+    Column("view_point_z", Float),
+)
+
 #: Rows of Link that a decision removed, as they were; ``number`` is its first entry.
 removed_link = Table(
     "deck_removed_link",

@@ -12,6 +12,7 @@ from sqlalchemy import Connection, Select, insert, inspect, null, select
 from slam.database.blobs import pack_information, pack_pose, unpack_information, unpack_pose
 from slam.database.deck_tables import decision, journal
 from slam.database.faults import Faults, each_sound, link_type_of, number_of, text_of, whole_of
+from slam.database.grid_change_rows import read_grid_changes, write_grids
 from slam.database.node_change_rows import read_changes, write_change
 from slam.database.placement_rows import insert_placement, read_placements
 from slam.database.records import JournalEntry
@@ -25,7 +26,7 @@ EDITS = ("refine", "edit", "covariance", "reset", "cut", "bridge", "prior", "dro
 #: What is done to the poses alone.
 PLACEMENTS = ("optimise", "turn")
 #: Decisions, and the actions that take one of them (or an undo) back.
-DECISIONS = (*VERDICTS, *EDITS, *PLACEMENTS)
+DECISIONS = (*VERDICTS, *EDITS, *PLACEMENTS, "regrid")
 _TAKES_BACK = {"undo": DECISIONS, "redo": ("undo",)}
 
 
@@ -77,6 +78,8 @@ def append_together(connection: Connection, entries: Sequence[JournalEntry]) -> 
             insert_setting(connection, number, entry.setting)
         if entry.placement is not None:
             insert_placement(connection, number, entry.placement)
+        if entry.grids is not None:
+            write_grids(connection, number, entry.grids)
     return numbers
 
 
@@ -86,13 +89,14 @@ def read_journal(connection: Connection, faults: Faults | None = None) -> list[J
     Rows that make no sense go to ``faults``.
     """
     changes, settings = read_changes(connection), read_settings(connection, faults)
-    placements = read_placements(connection, faults)
+    placements, grids = read_placements(connection, faults), read_grid_changes(connection, faults)
     entries = [
         replace(
             entry,
             node=changes.get(entry.id),
             setting=settings.get(entry.id),
             placement=placements.get(entry.id),
+            grids=grids.get(entry.id),
         )
         for entry in each_sound(journal.name, connection.execute(_all(connection)), _entry, faults)
     ]

@@ -164,6 +164,25 @@ class SettingChange:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class GridChange:
+    """What a decision did to local grids.
+
+    Attributes:
+        of: the entry with which those from before are kept; 0 for this one. Undo and redo exchange them.
+        nodes: how many nodes it is about.
+        made: id -> the grid made anew; empty once it is written, and where kept ones are exchanged.
+    """
+
+    of: int = 0
+    nodes: int
+    made: Mapping[int, LocalGrid] = field(default_factory=dict)
+
+    def kept(self, number: int) -> GridChange:
+        """The same, or what takes it back, as the file has it: with entry ``number``, unless with another already."""
+        return GridChange(of=self.of or number, nodes=self.nodes)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JournalEntry:
     """One decision of a person, with the link before and after, so that it can be undone and attributed.
 
@@ -173,7 +192,7 @@ class JournalEntry:
         author: who decided.
         action: a verdict about a loop (``approve``, ``reject``, ``add``), an edit of a link (``refine``, ``edit``,
             ``covariance``, ``reset``, ``cut``, ``bridge``) or of a node (``prior``, ``drop``, ``label``), of all poses
-            (``optimise``, ``turn``), or ``undo`` or ``redo``.
+            (``optimise``, ``turn``), of local grids (``regrid``), or ``undo`` or ``redo``.
         from_id: node id.
         to_id: node id.
         link_before: the link before the decision, None when there was none.
@@ -191,6 +210,7 @@ class JournalEntry:
         node: what it did to a node, for edits of nodes.
         setting: the parameter that it changed with the map, None for most.
         placement: what it did to all poses with links as they were, None for most.
+        grids: what it did to local grids, None for most.
     """
 
     action: str
@@ -214,6 +234,7 @@ class JournalEntry:
     node: NodeChange | None = None
     setting: SettingChange | None = None
     placement: Placement | None = None
+    grids: GridChange | None = None
 
     @property
     def pair(self) -> tuple[int, int]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from slam.geometry import Array, Pose
+from slam.params import Value
 from slam.types import Link, LinkType, Manner, Refusal, Registration
 
 if TYPE_CHECKING:
@@ -146,6 +147,23 @@ class Refinement(LinkChoice):
 
     method: Method = "visual"
     covariance_only: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Regrid:
+    """Local grids that are made anew.
+
+    Attributes:
+        changes: parameters of the group ``Grid/`` that differ from those of the map.
+        first: smallest id of a node; 0 for no limit.
+        last: largest id of a node; 0 for no limit.
+        session: only nodes of this session; -1 for all.
+    """
+
+    changes: Mapping[str, Value] = field(default_factory=dict)
+    first: int = 0
+    last: int = 0
+    session: int = -1
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

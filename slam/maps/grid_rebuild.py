@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 
 from slam.database import MapReader, MapWriter
 from slam.errors import DatabaseError
@@ -47,6 +47,12 @@ class GridRebuild:
         """It has to be made anew, from the beginning where that has begun."""
         self._parts, self._is_begun = self._made(), False
 
+    def locals_changed(self) -> None:
+        """Local grids of the file are others: they are read anew."""
+        self._locals.clear()
+        self._nodes = []
+        self.poses_changed()
+
     def step(self) -> bool:
         """Do some more of it; whether the grid is in the file now."""
         if self._parts is None:
@@ -76,7 +82,7 @@ class GridRebuild:
                 yield
         placed = {i: local for i in with_grid if i in self._graph.poses and (local := self._locals[i]) is not None}
         if list(placed) != self._nodes or not self._grid.fits(self._graph.poses):
-            grid = GlobalGrid(self._params)
+            grid = GlobalGrid(self._fitting(placed))
             for node_id, local in placed.items():
                 grid.add(node_id, local, self._graph.poses[node_id])
                 yield
@@ -84,6 +90,10 @@ class GridRebuild:
         if self._nodes:
             self._writer.save_grid(self._grid.occupancy())
         return bool(self._nodes)
+
+    def _fitting(self, placed: Mapping[int, LocalGrid]) -> Params:
+        """Parameters with the cell size that the local grids have."""
+        return next((self._params.changed({"Grid/CellSize": one.cell_size}) for one in placed.values()), self._params)
 
     def _local(self, node_id: int) -> LocalGrid | None:
         try:

@@ -67,6 +67,14 @@ def node_views(reader: ViewReader, node_id: int) -> tuple[View, ...]:
     )
 
 
+def node_depths(reader: ViewReader, node_id: int) -> tuple[tuple[NDArray[np.float32], Camera], ...]:
+    """Depth (h, w) in metres of each camera of a node, without the colour where depth was measured; raises likewise."""
+    if reader.baselines(node_id):
+        return tuple((view.depth_m, view.camera) for view in node_views(reader, node_id))
+    cameras = reader.cameras(node_id)
+    return tuple(zip(_tiles(reader.depth_m(node_id), len(cameras)), cameras, strict=True))
+
+
 def disparity_px(view: View, baseline: float) -> NDArray[np.float32]:
     """Disparity (h, w) of a stereo pair in pixels of its depth image, 0 where unknown; the baseline in metres."""
     known = view.depth_m > 0

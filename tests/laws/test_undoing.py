@@ -9,7 +9,9 @@ from contextlib import closing
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
+from typing import cast
 
+import cv2
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,15 +19,16 @@ from hypothesis import strategies as st
 from slam.database import MapReader, MapWriter
 from slam.database.blobs import pack_matrix
 from slam.edit.covariances import weighing
+from slam.edit.grids import regrid
 from slam.edit.links import LinkEditor
 from slam.edit.nodes import dropping, labelling
 from slam.edit.placements import optimising, turning
 from slam.edit.priors import placing
-from slam.edit.wishes import CovarianceEdit, LinkEdit, Optimisation, PriorEdit, Turn
+from slam.edit.wishes import CovarianceEdit, LinkEdit, Optimisation, PriorEdit, Regrid, Turn
 from slam.errors import DecisionError
 from slam.geometry import between, se3_exp
 from slam.graph import PoseGraph, optimize
-from slam.params import Params
+from slam.params import Params, Value
 from slam.review import Effect, Review
 from slam.tools.parameters import taken
 from slam.types import Candidate, Link, LinkType, Manner, Refusal
@@ -42,6 +45,7 @@ _STORED = (
     "SELECT opt_ids, opt_poses FROM Admin",
     "SELECT * FROM deck_pose ORDER BY id",
     "SELECT parameters FROM Info",
+    "SELECT id, ground_cells, obstacle_cells, empty_cells, cell_size, view_point_x, view_point_z FROM Data ORDER BY id",
 )
 
 
@@ -64,6 +68,10 @@ def made() -> Path:
         file.execute("UPDATE Link SET user_data = ? WHERE from_id = ? AND to_id = ?", (data, *LOOPS[1]))
         # Another program may have rounded the way back otherwise, or have left it out.
         file.execute("DELETE FROM Link WHERE from_id = ? AND to_id = ?", LOOPS[2])
+        # A wall two metres ahead; some grids are of other programs, with columns as these write them.
+        wall = bytes(cv2.imencode(".png", np.full((60, 80), 2000, np.uint16))[1])
+        file.execute("UPDATE Data SET depth = ?", (wall,))
+        file.execute("UPDATE Data SET cell_size = 0.05, empty_cells = x'00000000', view_point_x = 1 WHERE id % 5 = 0")
         file.commit()
     return path
 
@@ -91,9 +99,10 @@ class Session:
         links = [*graph.links.values(), *graph.constraints.values()]
         rows = [(k.pair, k.type, np.asarray(k.T_from_to, np.float32).tobytes(), k.information.tobytes()) for k in links]
         poses = [(i, T.tobytes()) for i, T in sorted(graph.poses.items())]
-        ignored = self.review.params.Optimizer.PriorsIgnored
-        assert taken(self.reader).params.Optimizer.PriorsIgnored == ignored, "memory and file agree"
-        return [sorted(rows), poses, ignored]
+        params, read = self.review.params, taken(self.reader).params
+        set_ = [params.Optimizer.PriorsIgnored, params.Grid.CellSize]
+        assert [read.Optimizer.PriorsIgnored, read.Grid.CellSize] == set_, "memory and file agree"
+        return [sorted(rows), poses, set_]
 
 
 def reject(at: Session, a: int, b: int) -> Effect:
@@ -146,8 +155,21 @@ def turn(at: Session, a: int, b: int) -> Effect:
     return at.review.change([turning(at.review.graph, at.review.params, at.reader, wanted)])
 
 
+def grids(at: Session, a: int, b: int) -> Effect | None:
+    """Local grids made anew: of a stretch, or of all nodes with other cells."""
+    changes: dict[str, Value] = {"Grid/CellSize": 0.1} if b % 3 == 0 else {"Grid/RangeMax": 0.5 * b}
+    job = regrid(
+        at.review, at.reader, Regrid(changes=changes, first=0 if b % 3 == 0 else a, last=a + 5 if b % 3 else 0)
+    )
+    while True:
+        try:
+            next(job)
+        except StopIteration as end:
+            return cast(Effect | None, end.value)
+
+
 ACTS: dict[str, Callable[[Session, int, int], Effect | None]] = {
-    **{act.__name__: act for act in (reject, approve, link, drop, label, prior, weigh, optimise, turn)},
+    **{act.__name__: act for act in (reject, approve, link, drop, label, prior, weigh, optimise, turn, grids)},
     "undo": lambda at, *_: at.review.undo(),
     "redo": lambda at, *_: at.review.redo(),
 }

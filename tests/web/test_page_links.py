@@ -78,6 +78,17 @@ def test_a_rejected_loop_is_linked_again_by_hand_detected_in_bulk_and_undone(own
 
 def test_a_node_is_labelled_and_leaves_the_map(own: Served, open_page: OpenPage) -> None:
     page = open_page(own, "#/map/flat/nodes/7")
+    page.locator("#node-regrid").click()
+    expect(page.locator("#regrid-preview")).to_contain_text("node 7 as it is")
+    page.get_by_label("RangeMax (m)").fill("1.5")
+    preview = page.locator("#regrid-preview figcaption")
+    expect(preview.last).not_to_have_text(preview.first.inner_text().replace("node 7 as it is", "made anew"))
+    page.locator("#job-start").click()
+    expect(page.locator("#job")).to_contain_text("Local grids of node 7: Grid/RangeMax 1.5", timeout=SLOW)
+    page.locator("#job-undo").click()
+    expect(page.locator("#job")).to_contain_text("taken back", timeout=SLOW)
+
+    page.goto(f"{own.base}#/map/flat/nodes/7")
     page.get_by_label("Label of the node").fill("door")
     page.locator("#node-label").click()
     expect(page.locator(".inspector-head")).to_contain_text("door", timeout=SLOW)

@@ -110,11 +110,12 @@ export const PAST = {
   label: "Labelled",
   optimise: "Kept other poses",
   turn: "Turned the map",
+  regrid: "Made local grids anew",
 };
 
 /** What was done, and for the way back to what. @param {import("../store.js").Schemas["JournalEntry"]} entry */
 export function done({ action, of_map: ofMap }) {
-  return `${PAST[action] ?? action}${ofMap && ["undo", "redo"].includes(action) ? " a decision about all poses" : ""}`;
+  return `${PAST[action] ?? action}${ofMap && ["undo", "redo"].includes(action) ? " a decision about the map" : ""}`;
 }
 
 /** @param {number | null} chi2 */

@@ -4,11 +4,11 @@ import { h, html } from "../html.js";
 /** @typedef {{currentTarget: HTMLInputElement}} InputEvent */
 /** @typedef {{currentTarget: HTMLSelectElement}} SelectEvent */
 
-/** @param {{label: string, value: string, step?: string, hint?: string, onChange: (value: string) => void, key?: unknown}} props */
-export function NumberField({ label, value, step = "any", hint, onChange }) {
+/** @param {{label: string, value: string, step?: string, hint?: string, placeholder?: string, onChange: (value: string) => void, key?: unknown}} props */
+export function NumberField({ label, value, step = "any", hint, placeholder, onChange }) {
   return html`<label class="form-field small" title=${hint}>
     <span class="quiet">${label}</span>
-    <input class="field number" type="number" step=${step} value=${value} onInput=${(/** @type {InputEvent} */ event) => onChange(event.currentTarget.value)} />
+    <input class="field number" type="number" step=${step} placeholder=${placeholder} value=${value} onInput=${(/** @type {InputEvent} */ event) => onChange(event.currentTarget.value)} />
   </label>`;
 }
 

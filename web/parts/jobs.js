@@ -5,12 +5,13 @@ import { author, decide, deciding, told } from "../actions.js";
 import { get, post } from "../api.js";
 import { on } from "../events.js";
 import * as text from "../format.js";
-import { link } from "../router.js";
+import { link, route } from "../router.js";
 import { Author } from "./author.js";
 import { Button, Chip } from "./button.js";
 import { Covariances } from "./covariances.js";
 import { effectParts, isMade, stopReason } from "./decision_bar.js";
 import { CheckField, GUESSES, METHODS, NumberField, numbers, SelectField, Sessions } from "./inputs.js";
+import { changesOf, REGRID, RegridForm } from "./regrid.js";
 import { useFetched } from "./use.js";
 
 /** @typedef {import("../store.js").Schemas["Job"]} Job */
@@ -26,15 +27,16 @@ export function Jobs({ map }) {
   const { data } = useFetched((signal) => get("/api/maps/{map}/job", { path: { map }, signal }), [map]);
   const [heard, setHeard] = useState(/** @type {Job | null} */ (null));
   useEffect(() => on("job", (value, of) => of === map && setHeard(value)), [map]);
-  const [kind, setKind] = useState(/** @type {"detect" | "refine" | "covariances"} */ ("detect"));
+  const query = route.value.query;
+  const [kind, setKind] = useState(/** @type {"detect" | "refine" | "regrid" | "covariances"} */ (query.get("kind") === "regrid" ? "regrid" : "detect"));
   const [detect, setDetect] = useState(DETECT);
   const [refine, setRefine] = useState(REFINE);
+  const [regrid, setRegrid] = useState({ ...REGRID, first: query.get("first") ?? "0", last: query.get("last") ?? "0" });
   const job = heard ?? data.value?.job ?? null;
   const locked = stopReason();
   const running = job?.state === "running";
   const start = async () => {
-    const { type, ...rest } = refine;
-    const body = kind === "detect" ? { detect: numbers(detect) } : { refine: { ...numbers(rest), types: type ? [type] : [] } };
+    const body = kind === "detect" ? { detect: numbers(detect) } : kind === "refine" ? refineBody(refine) : regridBody(regrid);
     const begun = await told(post("/api/maps/{map}/job", { path: { map }, body: /** @type {StartJob} */ ({ ...body, author: author.value.trim() }) }));
     // The stream may have told of its end already.
     if (begun) setHeard((last) => (last?.id === begun.id ? last : begun));
@@ -44,9 +46,11 @@ export function Jobs({ map }) {
     <div class="form-row" role="group" aria-label="What to do">
       ${h(Chip, { label: "Detect more loops", on: kind === "detect", onChange: () => setKind("detect") })}
       ${h(Chip, { label: "Refine links", on: kind === "refine", onChange: () => setKind("refine") })}
+      ${h(Chip, { label: "Make local grids", on: kind === "regrid", onChange: () => setKind("regrid") })}
       ${h(Chip, { label: "Type covariances", on: kind === "covariances", onChange: () => setKind("covariances") })}
     </div>
-    ${kind === "covariances" ? h(Covariances, {}) : kind === "detect" ? h(DetectForm, { wanted: detect, onChange: setDetect }) : h(RefineForm, { wanted: refine, onChange: setRefine })}
+    ${kind === "covariances" && h(Covariances, {})} ${kind === "detect" && h(DetectForm, { wanted: detect, onChange: setDetect })}
+    ${kind === "refine" && h(RefineForm, { wanted: refine, onChange: setRefine })} ${kind === "regrid" && h(RegridForm, { map, wanted: regrid, onChange: setRegrid })}
     ${kind !== "covariances" && isMade() && html`<p class="note" id="jobs-held">${locked}.</p>`}
     ${kind !== "covariances" &&
     html`<div class="form-row">
@@ -55,6 +59,16 @@ export function Jobs({ map }) {
     </div>`}
     ${job && h(JobPanel, { map, job, onCancel: cancel })}
   </div>`;
+}
+
+/** @param {typeof REFINE} wanted */
+function refineBody({ type, ...rest }) {
+  return { refine: { ...numbers(rest), types: type ? [type] : [] } };
+}
+
+/** @param {import("./regrid.js").Wanted} wanted */
+function regridBody({ changes, ...rest }) {
+  return { regrid: { ...numbers(rest), changes: changesOf({ ...rest, changes }) } };
 }
 
 /** @param {{wanted: typeof DETECT, onChange: (wanted: typeof DETECT) => void}} props */
@@ -96,6 +110,12 @@ function useUndone(map, entry) {
   return Boolean(data.value?.entries.find(({ id }) => id === entry)?.undone_by);
 }
 
+/** @param {Job["kind"]} kind @param {NonNullable<Job["decision"]>} decision */
+function doneText(kind, { count, entry }) {
+  if (kind === "regrid") return `Local grids of ${entry.note}`;
+  return `${text.plural(count, "link")} ${kind === "detect" ? "added" : "refined"}`;
+}
+
 /** @type {Record<Job["state"], string>} */
 const STATES = { running: "At work", done: "Done", cancelled: "Cancelled: the map is as it was", failed: "Failed" };
 
@@ -112,7 +132,7 @@ function JobPanel({ map, job, onCancel }) {
       ${decision && !undone && h(Button, { id: "job-undo", label: "Undo", hint: "Take the last decision back: this batch, if nothing was decided since", disabled: deciding.value, onClick: () => void decide({ action: "undo" }) })}
     </div>
     <progress max="1" value=${share} aria-label="Done">${text.fixed(100 * share, 0)} %</progress>
-    ${decision && html`<p class="small">${text.plural(decision.count, "link")} ${job.kind === "detect" ? "added" : "refined"}${undone ? ", all taken back since" : ""}: ${effectParts(decision.effect)}</p>`}
+    ${decision && html`<p class="small">${doneText(job.kind, decision)}${undone ? ", all taken back since" : ""}: ${effectParts(decision.effect)}</p>`}
     ${log.length > 0 && html`<details class="fold"><summary>Log <span class="quiet">${text.whole(log.length)}</span></summary><pre class="job-log small">${log.join("\n")}</pre></details>`}
   </section>`;
 }

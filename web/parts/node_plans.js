@@ -4,9 +4,11 @@ import { address } from "../api.js";
 import * as text from "../format.js";
 import { color } from "../theme.js";
 import { remembered } from "../prefs.js";
+import { link } from "../router.js";
 import { Canvas, useImage } from "./canvas.js";
 
 /** @typedef {import("../store.js").Schemas["NodeDetail"]} NodeDetail */
+/** @typedef {import("../store.js").Schemas["GridFacts"]} Grid */
 
 const open = remembered("node-plans", true);
 /** Rings are a step of one of these apart, metres. */
@@ -21,8 +23,9 @@ export function NodePlans({ map, node }) {
     <summary>From above <span class="quiet">${[scan?.points && "scan", cells && "local grid"].filter(Boolean).join(" and ")}</span></summary>
     <div class="pictures plans">
       ${scan && scan.points > 0 && h(Plan, { map, node: node.id, what: "scan", reach: scan.reach_m, caption: scanCaption(scan) })}
-      ${grid && cells > 0 && h(Plan, { map, node: node.id, what: "grid", reach: grid.reach_m, caption: gridCaption(grid) })}
+      ${grid && cells > 0 && h(Plan, { map, node: node.id, what: "grid", reach: grid.reach_m, caption: gridCaption(grid), query: gridState(grid) })}
     </div>
+    ${grid && cells > 0 && html`<p class="small"><a id="node-regrid" href=${link({ view: "loops", key: null, query: { tab: "jobs", kind: "regrid", first: String(node.id), last: String(node.id) } })}>Make the local grid anew, with other parameters</a></p>`}
   </details>`;
 }
 
@@ -31,15 +34,21 @@ function scanCaption({ points, intensities }) {
   return html`${text.plural(points, "point")}, ${intensities ? "coloured by intensity" : "coloured by height"}`;
 }
 
-/** @param {NonNullable<NodeDetail["sensors"]["grid"]>} grid */
-function gridCaption({ ground, obstacles, empty, cell_size_m }) {
+/** A grid that was made anew has another picture. @param {Grid} grid */
+export const gridState = ({ ground, obstacles, empty, cell_size_m }) => `cells=${ground}-${obstacles}-${empty}-${cell_size_m}`;
+
+/** @param {Grid} grid */
+export function gridCaption({ ground, obstacles, empty, cell_size_m }) {
   const part = (/** @type {string} */ name, /** @type {number} */ count) => count > 0 && html`<span><i class=${`mark cell-${name}`} aria-hidden="true"></i>${text.whole(count)} ${name}</span>`;
   return html`<span class="plan-legend">${part("ground", ground)}${part("obstacle", obstacles)}${part("empty", empty)}<span>cells of ${text.length(cell_size_m)}</span></span>`;
 }
 
-/** @param {{map: string, node: number, what: "scan" | "grid", reach: number, caption: import("../html.js").Children}} props */
-function Plan({ map, node, what, reach, caption }) {
-  const { image, missing } = useImage(address("api", "maps", map, "nodes", node, `${what}.png`));
+/**
+ * @param {{map: string, node: number, what: "scan" | "grid", reach: number, caption: import("../html.js").Children, query?: string}} props
+ *   query: of the picture's address, another for each state that it has
+ */
+export function Plan({ map, node, what, reach, caption, query = "" }) {
+  const { image, missing } = useImage(`${address("api", "maps", map, "nodes", node, `${what}.png`)}${query && `?${query}`}`);
   if (missing) return html`<div class="picture-none quiet">It can't be shown: it is damaged.</div>`;
   return html`<figure class="plan">
     ${h(Canvas, {

@@ -596,6 +596,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/maps/{map}/nodes/{node_id}/grid": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Trial Grid
+         * @description What the local grid would be with other parameters.
+         */
+        get: operations["get_trial_grid"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/maps/{map}/nodes/{node_id}/grid.png": {
         parameters: {
             query?: never;
@@ -1744,7 +1764,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "detect" | "refine";
+            kind: "detect" | "refine" | "regrid";
             /**
              * Log
              * @description The last lines.
@@ -3228,6 +3248,36 @@ export interface components {
             to: number;
         };
         /**
+         * RegridOptions
+         * @description Local grids to make anew.
+         */
+        RegridOptions: {
+            /**
+             * Changes
+             * @description Parameters of the group ``Grid/`` that differ from those of the map.
+             */
+            changes?: {
+                [key: string]: boolean | number | string;
+            };
+            /**
+             * First
+             * @default 0
+             */
+            first: number;
+            /**
+             * Last
+             * @description Ids of nodes; 0 for no limit.
+             * @default 0
+             */
+            last: number;
+            /**
+             * Session
+             * @description Only nodes of this session; -1 for all.
+             * @default -1
+             */
+            session: number;
+        };
+        /**
          * RowFault
          * @description A row of a map file that can't be understood; all others are shown.
          */
@@ -3528,7 +3578,7 @@ export interface components {
         };
         /**
          * StartJob
-         * @description Long work on a map: one of both.
+         * @description Long work on a map: one of three.
          */
         StartJob: {
             /**
@@ -3538,6 +3588,7 @@ export interface components {
             author: string;
             detect?: components["schemas"]["DetectOptions"] | null;
             refine?: components["schemas"]["RefineOptions"] | null;
+            regrid?: components["schemas"]["RegridOptions"] | null;
         };
         /**
          * StartRun
@@ -6251,9 +6302,84 @@ export interface operations {
             };
         };
     };
+    get_trial_grid: {
+        parameters: {
+            query?: {
+                /** @description Made anew with these parameters of Grid/, a JSON object by name. */
+                changes?: string;
+            };
+            header?: never;
+            path: {
+                node_id: number;
+                /** @description Id of a map, from GET /api/maps. */
+                map: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GridFacts"];
+                };
+            };
+            /** @description No token. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Asked by another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description There is none of this name or id. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not possible in the present state. */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+            /** @description Not understood, or out of bounds. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     get_node_grid: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Made anew with these parameters of Grid/, a JSON object by name. */
+                changes?: string;
+            };
             header?: never;
             path: {
                 node_id: number;

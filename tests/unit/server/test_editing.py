@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from pathlib import Path
 from typing import Any
 
@@ -170,6 +171,36 @@ def test_a_job_finds_loops_as_one_batch_which_one_undo_takes_back(tour: RunningA
             assert link["state"] is None, "neither accepted nor refused"
     states = {row["key"]: row["state"] for row in tour.get("/api/maps/tour/loops").json()["loops"]}
     assert all(states.get(f"{a}-{b}") in (None, "rejected") for a, b in found)
+
+
+def test_local_grids_are_made_anew_as_a_job_and_the_floor_plan_with_them(tour: RunningApp, reader: MapReader) -> None:
+    before = tour.get("/api/maps/tour/nodes/9").json()["sensors"]["grid"]
+    post(tour, "job", regrid={"changes": {"Grid/CellSize": 0.2}}, author="ann")
+    over = until_over(tour)
+    assert (over["kind"], over["state"], over["decision"]["entry"]["of_map"]) == ("regrid", "done", True)
+    assert tour.get("/api/maps/tour/nodes/9").json()["sensors"]["grid"]["cell_size_m"] == 0.2
+    end = time.monotonic() + 20
+    while (plan := reader.grid()) is None and time.monotonic() < end:
+        time.sleep(0.1)
+    assert plan is not None and plan.cell_size == 0.2
+    values = {one["name"]: one["value"] for one in tour.get("/api/maps/tour/parameters").json()["parameters"]}
+    assert values["Grid/CellSize"] == 0.2
+    post(tour, "decisions", action="undo")
+    assert tour.get("/api/maps/tour/nodes/9").json()["sensors"]["grid"] == before
+
+
+def test_a_local_grid_is_foreseen_with_other_parameters(tour: RunningApp) -> None:
+    path = "/api/maps/tour/nodes/9/grid"
+    stored = tour.get("/api/maps/tour/nodes/9").json()["sensors"]["grid"]
+    near, far, same = (tour.get(path, params={"changes": f'{{"Grid/RangeMax": {m}}}'}).json() for m in (0.01, 50, 5))
+    assert near["obstacles"] == 0 < stored["obstacles"] == same["obstacles"] <= far["obstacles"]
+    image = tour.get(f"{path}.png", params={"changes": '{"Grid/CellSize": 0.2}'})
+    assert image.headers["content-type"] == "image/png" and image.content != tour.get(f"{path}.png").content
+    for changes in ("[1]", '{"Kp/MaxFeatures": 9}', '{"Grid/RangeMax": -1}'):
+        refused = tour.get(path, params={"changes": changes})
+        assert refused.status_code in (409, 422), changes
+        assert changes[2:10].strip('{"') in refused.json()["error"]["message"] or "an object" in refused.text
+    assert tour.get("/api/maps/tour/nodes/999/grid").status_code == 404
 
 
 def test_a_job_is_cancelled_and_nothing_else_is_done_meanwhile(tour: RunningApp, reader: MapReader) -> None:

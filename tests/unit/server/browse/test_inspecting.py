@@ -12,7 +12,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from server.browse.plans import grid_pixels
 from slam.database import MapReader, MapWriter
 from slam.database.blobs import pack_matrix
 from slam.geometry import between, inverse, rotation_angle, transform
@@ -95,6 +98,17 @@ def test_a_grid_is_seen_from_above_with_x_up_and_y_left(start_app: StartApp, odd
     assert seen == {(4, 6), (0, 5), (5, 8)}
     assert image[0, 5, 2] > 200, "obstacles are red"
     assert client.get("/api/maps/odd/nodes/3/grid.png").status_code == 404
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(1, 60), st.sampled_from([0.01, 0.05, 0.1, 0.25]), st.booleans())
+def test_every_cell_of_a_grid_has_a_pixel_of_its_own(half: int, size: float, between: bool) -> None:
+    """Centres are whole cells from the base with some programs, half ones with others."""
+    index = np.arange(-half, half) + (0.5 if between else 0.0)
+    cells = (np.stack(np.meshgrid(index, index), -1).reshape(-1, 2) * size).astype(np.float32)
+    none = np.zeros((0, 2), np.float32)
+    image = grid_pixels(LocalGrid(cells, none, none, size))
+    assert (image[..., 3] > 0).sum() == len(cells)
 
 
 def test_a_scan_is_seen_from_above_and_told_of(start_app: StartApp, odd_map: Path) -> None:

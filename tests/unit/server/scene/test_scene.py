@@ -24,7 +24,9 @@ from server.hub import Hub
 from server.scene.scene import MapScene
 from server.scene.scenes import Scenes
 from server.schemas.scene import Scene, SceneChange
-from slam.database import MapWriter
+from slam.database import MapReader, MapWriter
+from slam.tools.floor_plan import floor_plan
+from tests.unit.server.loop_map import write_loop_map
 from tests.unit.server.scene.conftest import Sent
 from tests.unit.server.scene.room_map import LAP, NODES, true_pose, write_room_map
 from tests.unit.server.scene.test_batched import click
@@ -108,6 +110,22 @@ def test_clouds_let_pass_who_waits_for_an_answer(room_map: Path) -> None:
             until(lambda: painter._shown is not None and painter._shown.state == scene.state())
             assert not painter._clouds._handles
         until(lambda: painter._clouds._handles and not painter._clouds.missing)
+
+
+def test_a_floor_plan_that_is_not_stored_is_put_together_of_the_local_grids(
+    open_scene: Callable[[Path], Watched], tmp_path: Path
+) -> None:
+    write_loop_map(tmp_path / "loops.db")
+    reader = MapReader(tmp_path / "loops.db")
+    with MapWriter.open(reader.path) as writer:
+        writer.save_grid(None)
+    watched = open_scene(tmp_path / "loops.db")
+    watched.change(layers={"grid": True})
+    until(lambda: watched.handle("/grid") is not None and watched.handle("/grid").visible)
+    until(lambda: not watched.scene._incomplete)
+    drawn = watched.scene._painter._floor._drawn
+    assert drawn is not None
+    np.testing.assert_array_equal(drawn[0].cells, floor_plan(reader, reader.poses()).cells)
 
 
 def test_layers_are_switched_one_by_one_and_the_rest_stays(watched: Watched) -> None:
