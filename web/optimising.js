@@ -4,7 +4,7 @@ import { setScene } from "./actions.js";
 import { post } from "./api.js";
 import { latest } from "./latest.js";
 import { openMapId } from "./router.js";
-import { scene } from "./store.js";
+import { graphRevision, scene } from "./store.js";
 
 /** @typedef {import("./types/http").Schemas["OptimiseAsk"]} Ask */
 /** @typedef {import("./types/http").Schemas["Optimised"]} Optimised */
@@ -22,6 +22,8 @@ export class Optimising {
     this.found = signal(null);
     /** @type {import("@preact/signals").Signal<Error | null>} */
     this.error = signal(null);
+    /** Of the map, when it was found. */
+    this.revision = 0;
     this.busy = signal(false);
     this.step = signal(0);
     this.show = latest((/** @type {number} */ step) => setScene({ optimised: { ask: this.ask.value, step } }));
@@ -36,10 +38,11 @@ export class Optimising {
   async run() {
     if (this.busy.value) return;
     this.busy.value = true;
-    const ask = this.ask.value;
+    const [ask, revision] = [this.ask.value, graphRevision.peek()];
     try {
       const found = await post("/api/maps/{map}/what-if/optimise", { path: { map: this.map }, body: ask });
       if (ask === this.ask.value && this.map === openMapId.value) {
+        this.revision = revision;
         [this.found.value, this.error.value] = [found, null];
         this.go(found.steps.length - 1);
       }

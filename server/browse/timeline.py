@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -67,7 +67,7 @@ class Timeline:
 
     def __init__(self, snapshot: Snapshot, moves: Sequence[Move], statistics: StatisticsTable) -> None:
         self.snapshot = snapshot
-        self.moves = moves
+        self.moves = _turned(snapshot, moves)
         self.statistics = statistics
         self.verdicts = sorted(_verdicts(snapshot), key=lambda one: one.update)
         self.ids, self.stamps = self._updates()
@@ -131,6 +131,34 @@ class Timeline:
             return 0, float("nan")
         best_id, value = (float(table.values[name][row]) if name in table.values else np.nan for name in _BELIEF)
         return (int(best_id) if np.isfinite(best_id) else 0), value
+
+
+def _turned(snapshot: Snapshot, moves: Sequence[Move]) -> Sequence[Move]:
+    """The moves with poses as they are since people turned the whole map: that is no part of its history.
+
+    A map is turned between two sessions; what a later one recorded is in the new frame.
+    """
+    turns = [
+        (entry.time, entry.placement.T_new_old)
+        for entry in snapshot.journal
+        if entry.action == "turn" and entry.undone_by is None and entry.placement is not None
+    ]
+    if not turns:
+        return moves
+    started = {row.map_id: row.started or 0.0 for row in snapshot.reader.sessions(snapshot.faults)}
+    table = snapshot.all_nodes
+    begun = {
+        node_id: started.get(map_id, 0.0)
+        for node_id, map_id in zip(table.ids.tolist(), table.map_ids.tolist(), strict=True)
+    }
+    found = []
+    for move in moves:
+        T = move.T_map_base
+        for time, T_new_old in turns:
+            if T is not None and T_new_old is not None and begun.get(move.id, 0.0) < time:
+                T = T_new_old @ T
+        found.append(replace(move, T_map_base=T))
+    return found
 
 
 def _verdicts(snapshot: Snapshot) -> Iterator[Verdict]:

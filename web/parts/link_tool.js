@@ -77,11 +77,11 @@ function Ends({ map, from, to, onDone }) {
   // A pair that was looked at and is not in the graph has no residual.
   const { link } = data.value;
   const known = link !== null && link.residual_sigma !== null ? link : null;
-  return h(Form, { key: known ? "known" : "new", map, from, to, known, onDone: () => (reload(), onDone()) });
+  return h(Form, { key: known ? "known" : "new", map, from, to, known, note: data.value.note, onDone: () => (reload(), onDone()) });
 }
 
-/** @param {{map: string, from: number, to: number, known: import("./link.js").LinkDetail | null, onDone: () => void, key?: unknown}} props */
-function Form({ map, from, to, known, onDone }) {
+/** @param {{map: string, from: number, to: number, known: import("./link.js").LinkDetail | null, note: string, onDone: () => void, key?: unknown}} props note: why nothing is known of them */
+function Form({ map, from, to, known, note, onDone }) {
   const kinds = known ? KNOWN : NEW;
   const [action, setAction] = useState(kinds[0][0]);
   const [method, setMethod] = useState("visual");
@@ -120,7 +120,7 @@ function Form({ map, from, to, known, onDone }) {
     <p class="small">
       ${known
         ? html`Nodes ${from} and ${to} are joined by a <a href=${linkTo({ view: "loops", key: `${known.from}-${known.to}` })}>link of type ${known.type}</a>.`
-        : html`Nodes ${from} and ${to} are not linked.`}
+        : note ? html`${note[0].toUpperCase()}${note.slice(1)}.` : html`Nodes ${from} and ${to} are not linked.`}
     </p>
     <div class="form-row" role="group" aria-label="How">
       ${kinds.map(([kind, label, hint]) => h(Chip, { key: kind, label, hint, on: kind === action, onChange: () => setAction(kind) }))}

@@ -3,7 +3,7 @@
 import { cx, h, html } from "../html.js";
 import * as text from "../format.js";
 import { moment } from "../router.js";
-import { info } from "../store.js";
+import { graphRevision, info } from "../store.js";
 import { KeepPoses } from "./all_poses.js";
 import { Button, Chip } from "./button.js";
 import { Facts } from "./facts.js";
@@ -68,6 +68,7 @@ function Result({ trial, found }) {
     </table>
     ${h(Facts, { facts: facts(found) })}
     ${found.dropped > 0 && html`<p class="ink-warn small">${text.plural(found.dropped, "node is", "nodes are")} not joined with the root by the links that count, and stay${found.dropped === 1 ? "s" : ""} out.</p>`}
+    ${trial.revision !== graphRevision.value && html`<p class="ink-warn small" role="status">The map has changed since: optimise again.</p>`}
     ${moment.value !== null && html`<p class="ink-warn small">The 3D view shows a moment of the past: go to now to see the path.</p>`}
   </div>`;
 }

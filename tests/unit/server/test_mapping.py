@@ -119,7 +119,8 @@ def test_links_labels_and_priors_are_edited_while_the_map_is_made_and_nodes_stay
     assert post("decisions", action="undo").json()["note"] == f"{IGNORED} goes from false to true"
     assert run.get("/api/maps/flat/nodes/3/prior").json()["ignored"]
     assert post("links/covariances", types=["Neighbor"], sigmas=[0.1] * 6).json()["count"] == nodes - 1
-    for refused in (post("nodes/drop", nodes=[2]), post("job", detect={})):
+    placements = post("poses/optimise", ask={"start": "map"}, preview=True), post("poses/turn", yaw_deg=5)
+    for refused in (post("nodes/drop", nodes=[2]), post("job", detect={}), *placements):
         assert refused.status_code == 409 and "top the run first" in refused.json()["error"]["message"]
     assert post("decisions", action="undo").json()["count"] == nodes - 1
     run.post("/api/session/resume")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import shutil
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from server.browse.events import updates
@@ -15,7 +17,8 @@ from server.browse.map_view import MapView
 from server.browse.moves import moves_of_states
 from server.catalog import MapFile
 from slam.database import JournalEntry, MapWriter
-from slam.types import LinkType, Tier
+from slam.geometry import Pose, from_euler_rpy
+from slam.types import LinkType, Placement, Tier
 from tests.unit.server.loop_map import ACCEPTED, NODES, REFUSED, write_loop_map
 from tests.unit.server.running import RunningApp
 
@@ -46,6 +49,23 @@ def test_a_moment_holds_what_had_happened_and_nothing_of_what_came_later(view: M
         assert in_ltm == set(range(1, at - 5))
         assert moment.loops.keys() == {(older, newer) for newer, older in ACCEPTED if newer <= at}
         assert moment.T_map_base is not None
+
+
+def test_the_past_of_a_map_that_was_turned_is_turned_with_it(view: MapView) -> None:
+    T = from_euler_rpy(np.array([0.0, 0.0, 1.0]), np.array([2.0, 0.0, 0.0]))
+    before = view.timeline().moment(NODES).T_map_base
+    assert before is not None
+
+    def decide(**values: Any) -> Pose | None:
+        entry = JournalEntry(from_id=1, to_id=1, placement=Placement(T_new_old=T), **values)
+        with MapWriter.open(view.file.path) as writer:
+            writer.append_decision(entry, poses={})
+        view.touch()
+        return view.timeline().moment(NODES).T_map_base
+
+    np.testing.assert_allclose(decide(action="turn"), T @ before)  # type: ignore[arg-type]
+    np.testing.assert_allclose(decide(action="undo", undoes=1), before)  # type: ignore[arg-type]
+    np.testing.assert_allclose(decide(action="turn", time=5.0), before)  # type: ignore[arg-type]
 
 
 def test_a_decision_belongs_to_now_and_leaves_the_past_as_it_was(view: MapView) -> None:
