@@ -10,6 +10,7 @@ from server.browse.links import measured_link
 from server.browse.snapshot import Pair, Snapshot
 from server.scene.clouds import wxyz
 from server.scene.colours import Theme
+from server.scene.node_details import word_points
 from server.scene.node_points import node_points
 from server.scene.placed import PlacedGraph
 from server.scene.tone import Rgb
@@ -43,7 +44,7 @@ class OverlayLayer:
         *,
         of: OverlayPoints = "cloud",
     ) -> bool:
-        """Show the clouds, or the scans, of a link's nodes placed this way; whether there is something to show."""
+        """Show the clouds, scans or words of a link's nodes placed this way; whether there is something to show."""
         placed = _placed(snapshot, graph, pair, how)
         wanted = None if pair is None or placed is None else (pair, look, of)
         if wanted != self._shown:
@@ -52,28 +53,34 @@ class OverlayLayer:
             if pair is not None and placed is not None:
                 colours = (look.overlay_from, look.overlay_to)
                 for node_id, T, rgb in zip(pair, placed, colours, strict=True):
-                    self._send(snapshot, node_id, T, rgb, of)
+                    self._send(snapshot, node_id, T, look, rgb, of)
         for node_id, T in zip(pair or (), placed or (), strict=False):
             if node_id in self._handles:
                 self._handles[node_id].wxyz, self._handles[node_id].position = wxyz(T), T[:3, 3]
         return bool(self._handles)
 
-    def _send(self, snapshot: Snapshot, node_id: int, T_map_base: Pose, rgb: Rgb, of: OverlayPoints) -> None:
-        images = {*snapshot.reader.nodes_with("image").tolist()} & {*snapshot.reader.nodes_with("depth").tolist()}
+    def _send(
+        self, snapshot: Snapshot, node_id: int, T_map_base: Pose, look: Theme, rgb: Rgb, of: OverlayPoints
+    ) -> None:
         try:
-            # Where there is no scan depth stands in for it, as a scan for depth; the page says so.
-            wanted = of == "cloud" or node_id not in snapshot.scanned
-            usable = wanted and node_id in images and node_id in snapshot.calibrated
-            cloud = node_points(snapshot.reader, node_id, T_map_base, _POINTS, images=usable)
+            if of == "words":
+                words = word_points(snapshot.reader, node_id, look)
+                points, size = words.points, words.size
+            else:
+                cloud = node_points(
+                    snapshot.reader, node_id, T_map_base, _POINTS, images=_by_images(snapshot, node_id, of)
+                )
+                points, size = cloud.points, _POINT_SIZE * cloud.spacing
         except SlamError:
             # A node without a cloud: the other one is shown alone.
             return
-        colours = np.tile(np.array(rgb, np.uint8), (len(cloud.points), 1))
+        if not len(points):
+            return
         self._handles[node_id] = self._scene.add_point_cloud(
             f"/overlay/{node_id}",
-            cloud.points,
-            colours,
-            point_size=_POINT_SIZE * cloud.spacing,
+            points,
+            np.tile(np.array(rgb, np.uint8), (len(points), 1)),
+            point_size=size,
             point_shape="circle",
             point_shading="flat",
         )
@@ -82,6 +89,13 @@ class OverlayLayer:
         for handle in self._handles.values():
             handle.remove()
         self._handles.clear()
+
+
+def _by_images(snapshot: Snapshot, node_id: int, of: OverlayPoints) -> bool:
+    """Whether its cloud is that of its depth: where there is no scan depth stands in for it, and the page says so."""
+    images = {*snapshot.reader.nodes_with("image").tolist()} & {*snapshot.reader.nodes_with("depth").tolist()}
+    wanted = of == "cloud" or node_id not in snapshot.scanned
+    return wanted and node_id in images and node_id in snapshot.calibrated
 
 
 def _placed(snapshot: Snapshot, graph: PlacedGraph, pair: Pair | None, how: Overlay | None) -> tuple[Pose, Pose] | None:

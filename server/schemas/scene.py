@@ -13,8 +13,8 @@ from server.schemas.optimising import ShownOptimisation
 Colouring = Annotated[str, Field(max_length=200)]
 #: The measured transform of the link, or the optimised poses.
 Overlay = Literal["link", "poses"]
-#: Points of depth images, or of scanners.
-OverlayPoints = Literal["cloud", "scan"]
+#: Points of depth images, of scanners, or the key points that have a place.
+OverlayPoints = Literal["cloud", "scan", "words"]
 #: Where nodes stand: where they are now, where they were at the moment shown, or there as soon as that is worked out.
 Placing = Literal["now", "then", "soon"]
 #: Links that are drawn alike; refused loops are links that never were.
@@ -69,7 +69,7 @@ class Scene(Schema):
     overlay: Overlay | None = None
     """The clouds of both nodes of the selected link in two colours, and what places them, in place of all clouds."""
     overlay_of: OverlayPoints = "cloud"
-    """Of what those clouds are: of depth images, or of scans; of the other where a node has none of these."""
+    """Of what those clouds are; of a node without scans they are of depth images, and the other way round."""
     at: int | None = None
     """The node of the update that is shown; null for the map as it is now."""
     hidden_links: list[LinkClass] = Field(default_factory=list)

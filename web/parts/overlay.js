@@ -13,7 +13,9 @@ const WAYS = /** @type {["link" | "poses", string, string][]} */ ([
 /** @param {{from: number, to: number, measured: boolean, scans: boolean[]}} props scans: whether each node has points of a scanner */
 export function Overlay({ from, to, measured, scans }) {
   const now = scene.value?.overlay ?? null;
-  const asked = scene.value?.overlay_of === "scan";
+  const of = scene.value?.overlay_of ?? "cloud";
+  const asked = of === "scan";
+  const show = (/** @type {"cloud" | "scan" | "words"} */ what) => void setScene({ overlay_of: what, overlay: now ?? (measured ? "link" : "poses"), selected_link: [from, to] });
   const without = [from, to].filter((_, at) => !scans[at]);
   useEffect(() => () => void (scene.peek()?.overlay && setScene({ overlay: null })), []);
   return html`<div class="picture-bar overlay-bar" role="group" aria-label="Clouds in the 3D view">
@@ -35,8 +37,9 @@ export function Overlay({ from, to, measured, scans }) {
       label: "Scans",
       hint: "The points of their scanners in place of those of depth images",
       on: asked,
-      onChange: (on) => void setScene({ overlay_of: on ? "scan" : "cloud", overlay: now ?? (measured ? "link" : "poses"), selected_link: [from, to] }),
+      onChange: (on) => show(on ? "scan" : "cloud"),
     })}
+    ${h(Chip, { label: "Words", hint: "The key points of both that have depth, in place of their clouds", on: of === "words", onChange: (on) => show(on ? "words" : "cloud") })}
     ${asked && now !== null && without.length > 0 && html`<span class="small ink-warn" role="status">${without.length === 2 ? "no scans here" : `no scan of ${without[0]}`}: points of depth images</span>`}
   </div>`;
 }

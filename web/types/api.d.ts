@@ -3363,11 +3363,11 @@ export interface components {
             overlay?: ("link" | "poses") | null;
             /**
              * Overlay Of
-             * @description Of what those clouds are: of depth images, or of scans; of the other where a node has none of these.
+             * @description Of what those clouds are; of a node without scans they are of depth images, and the other way round.
              * @default cloud
              * @enum {string}
              */
-            overlay_of: "cloud" | "scan";
+            overlay_of: "cloud" | "scan" | "words";
             /**
              * Placing
              * @description Of a moment: whether its poses are those of then.
@@ -3427,7 +3427,7 @@ export interface components {
             /** Overlay */
             overlay?: ("link" | "poses") | null;
             /** Overlay Of */
-            overlay_of?: ("cloud" | "scan") | null;
+            overlay_of?: ("cloud" | "scan" | "words") | null;
             /** Selected Link */
             selected_link?: number[] | null;
             /** Selected Node */

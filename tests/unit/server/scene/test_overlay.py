@@ -13,6 +13,7 @@ from server.scene.colours import DARK
 from server.scene.overlay import OverlayLayer
 from server.scene.placed import PlacedGraph
 from slam.types import Scan
+from tests.nodes import features, random_descriptors
 from tests.unit.server.scene.conftest import Sent
 from tests.unit.server.scene.room_map import LOOPS
 
@@ -55,6 +56,20 @@ def test_scans_take_the_place_of_clouds(viewer: Any, snapshot: Snapshot, monkeyp
     assert [len(handle.points) for handle in handles(viewer)] == [2, 2]
     assert layer.draw(snapshot, graph, PAIR, "poses", DARK)
     assert min(len(handle.points) for handle in handles(viewer)) > 100
+
+
+def test_words_take_the_place_of_clouds_in_the_colours_of_both_nodes(
+    viewer: Any, snapshot: Snapshot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graph, layer = PlacedGraph.of(snapshot), OverlayLayer(viewer.scene)
+    assert not layer.draw(snapshot, graph, PAIR, "poses", DARK, of="words"), "these nodes have none"
+    layer.draw(snapshot, graph, None, None, DARK)
+    # Every fifth has no depth.
+    found = features(random_descriptors(50, 1)), np.arange(50, dtype=np.int32)
+    monkeypatch.setattr(type(snapshot.reader), "features", lambda *_: found)
+    assert layer.draw(snapshot, graph, PAIR, "poses", DARK, of="words")
+    for handle, rgb in zip(handles(viewer), (DARK.overlay_from, DARK.overlay_to), strict=True):
+        assert len(handle.points) == 40 and (np.asarray(handle.colors) == rgb).all()
 
 
 def test_without_a_link_or_a_way_nothing_is_shown(viewer: Any, snapshot: Snapshot) -> None:
