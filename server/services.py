@@ -64,10 +64,10 @@ from server.settings import Settings
 from server.trials import TrialRunner
 from server.updates import update_message
 from slam.database.file_check import is_writable
+from slam.effect import Effect
 from slam.errors import SlamError
 from slam.params import Effect as TakesEffect
 from slam.params import Params, Value, spec
-from slam.review import Effect
 from slam.tools.parameters import taken
 
 _OPEN_MAPS = 8

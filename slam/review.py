@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
-import numpy as np
-
 from slam.database.records import JournalEntry
+from slam.effect import Effect, Unsaid, with_effect
 from slam.errors import DecisionError, OptimizationError
 from slam.geometry import Pose
 from slam.graph.course import placed
-from slam.graph.exchange import GraphNode, exchanged
+from slam.graph.exchange import exchanged
 from slam.graph.graph import PoseGraph
 from slam.graph.optimizer import chi2
 from slam.graph.shift import Shift, Snapshot
 from slam.history import History, Step
 from slam.params import Params
-from slam.types import Candidate, Link, LinkType, Placement
+from slam.types import Candidate, Link
 from slam.verdicts import Rows, Verdict, approval, ordered, redoing, rejection, undoing
+from slam.wanted_changes import joins, links_of, named, nodes_of, placement_of
 
 #: Poses (id -> T_map_base) -> absolute trajectory error in metres, None without ground truth.
 Ate = Callable[[Mapping[int, Pose]], float | None]
-#: Of many decisions that are made together so many are named.
-_NAMED = 5
 _DONE = {"approve": "approved", "reject": "rejected"}
 
 
@@ -69,49 +66,6 @@ class DecisionWriter(Protocol):
     ) -> list[int]:
         """Write journal, links and optimised poses in one transaction; returns the entries' numbers."""
         ...
-
-
-@dataclass(frozen=True, slots=True)
-class Unsaid:
-    """A loop that a decision could not be made about, and why."""
-
-    from_id: int
-    to_id: int
-    reason: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Effect:
-    """What a decision did, or would do.
-
-    Attributes:
-        entries: the journal's entries, one for each loop.
-        chi2_before: sum of squared, whitened residuals of all links before.
-        chi2_after: the same after.
-        moved: poses that moved by more than 1 mm or 0.05 deg.
-        max_shift_m: the farthest that one moved, metres.
-        ate_before: absolute trajectory error in metres before, None without ground truth.
-        ate_after: the same after.
-        separated: nodes that lost their way to the oldest node of their graph.
-        refused: loops that were named and left as they are.
-        preview: whether nothing was changed.
-    """
-
-    entries: tuple[JournalEntry, ...]
-    chi2_before: float
-    chi2_after: float
-    moved: int
-    max_shift_m: float
-    ate_before: float | None
-    ate_after: float | None
-    separated: int
-    refused: tuple[Unsaid, ...] = ()
-    preview: bool = False
-
-    @property
-    def entry(self) -> JournalEntry:
-        """The first entry."""
-        return self.entries[0]
 
 
 class Review:
@@ -250,21 +204,8 @@ class Review:
         candidates: Sequence[Candidate] = (),
     ) -> Effect:
         """Change graph, file and history, all or none; a preview changes none of them."""
-        if self._nodes_stay and any(_nodes(entries)):
-            raise DecisionError(
-                f"{entries[0].action} {_named(entries)} would move nodes in or out of the map, which the engine that"
-                " makes it holds in its memory: stop the run first"
-            )
-        if self._nodes_stay and _placement(entries) is not None:
-            raise DecisionError(
-                f"{entries[0].action} {_named(entries)} would not last: the engine that makes the map optimises it anew"
-                " with the next loop. Stop the run first"
-            )
-        if self._nodes_stay and any(entry.grids is not None for entry in entries):
-            raise DecisionError(
-                f"{entries[0].action} {_named(entries)} would change local grids, which the engine that makes the map"
-                " holds in its floor plan: stop the run first"
-            )
+        if self._nodes_stay:
+            _require_that_nodes_stay(entries)
         poses, before = self.graph.poses, Snapshot.of(self.graph.poses)
         known, params = self._there(steps, entries), self._params_of(entries)
         was = self._chi2(), self._ate_at(poses)
@@ -272,11 +213,11 @@ class Review:
             with self._change(entries, params, known or self._placed(entries, params), keep=not preview) as separated:
                 now = was if self.graph.poses is poses else (self._chi2(), self._ate_at(self.graph.poses))
                 effect = _effect(was, now, Shift.between(poses, self.graph.poses), separated, refused, preview=preview)
-                entries = [_with_effect(entry, effect) for entry in entries]
+                entries = [with_effect(entry, effect) for entry in entries]
                 if not preview:
                     entries = self._write(entries, candidates)
         except OptimizationError as error:
-            what = f"{entries[0].action} {_named(entries)}"
+            what = f"{entries[0].action} {named(entries)}"
             raise DecisionError(f"{what} is not possible: {error}") from error
         if not preview:
             self.params = params
@@ -293,7 +234,7 @@ class Review:
         if step.here is not None and step.here.same(self.graph.poses):
             return step.there
         stored = self._reader.poses_before(min(one.undo_id or one.entry.id for one in steps))
-        restore, drop = _nodes(entries)
+        restore, drop = nodes_of(entries)
         ids = [i for i in (*self.graph.poses, *(node.node_id for node in restore)) if i not in drop]
         if stored is None or any(i not in stored for i in ids):
             return None
@@ -301,7 +242,7 @@ class Review:
 
     def _placed(self, entries: Sequence[JournalEntry], params: Params) -> Snapshot | None:
         """The poses that a placement leads to; None where the entries are none."""
-        placement = _placement(entries)
+        placement = placement_of(entries)
         return None if placement is None else Snapshot.of(placed(self.graph, params, placement))
 
     def _params_of(self, entries: Sequence[JournalEntry]) -> Params:
@@ -312,26 +253,26 @@ class Review:
     def _change(
         self, entries: Sequence[JournalEntry], params: Params, there: Snapshot | None, *, keep: bool
     ) -> AbstractContextManager[int]:
-        (add, remove), (restore, drop) = _links(entries), _nodes(entries)
-        if not (add or remove or restore or drop or _placement(entries)):
+        (add, remove), (restore, drop) = links_of(entries), nodes_of(entries)
+        if not (add or remove or restore or drop or placement_of(entries)):
             return nullcontext(0)
         return exchanged(
             self.graph,
-            [link.pair for link in remove if _joins(link)],
-            [link for link in add if _joins(link)],
+            [link.pair for link in remove if joins(link)],
+            [link for link in add if joins(link)],
             params,
             there,
             keep=keep,
             drop=drop,
             restore=restore,
-            release=[link for link in remove if not _joins(link)],
-            hold=[link for link in add if not _joins(link)],
+            release=[link for link in remove if not joins(link)],
+            hold=[link for link in add if not joins(link)],
         )
 
     def _write(self, entries: Sequence[JournalEntry], candidates: Sequence[Candidate]) -> list[JournalEntry]:
-        (add, remove), (restore, drop) = _links(entries), _nodes(entries)
+        (add, remove), (restore, drop) = links_of(entries), nodes_of(entries)
         gone = [(link.from_id, link.to_id) for link in remove]
-        poses = self.graph.poses if add or remove or restore or drop or _placement(entries) else {}
+        poses = self.graph.poses if add or remove or restore or drop or placement_of(entries) else {}
         numbers = self._writer.append_decisions(entries, add=add, remove=gone, poses=poses, candidates=candidates)
         batch = numbers[0] if len(numbers) > 1 else None
         return [
@@ -352,57 +293,32 @@ class Review:
         return None if self._ate is None else self._ate(poses)
 
 
+def _require_that_nodes_stay(entries: Sequence[JournalEntry]) -> None:
+    """Raises DecisionError for what the engine that makes the map could not follow."""
+    what = f"{entries[0].action} {named(entries)}"
+    if any(nodes_of(entries)):
+        raise DecisionError(
+            f"{what} would move nodes in or out of the map, which the engine that makes it holds in its memory: stop"
+            " the run first"
+        )
+    if placement_of(entries) is not None:
+        raise DecisionError(
+            f"{what} would not last: the engine that makes the map optimises it anew with the next loop. Stop the run"
+            " first"
+        )
+    if any(entry.grids is not None for entry in entries):
+        raise DecisionError(
+            f"{what} would change local grids, which the engine that makes the map holds in its floor plan: stop the"
+            " run first"
+        )
+
+
 def _nothing(action: Verdict, refused: Sequence[Unsaid]) -> str:
     if not refused:
         return f"nothing to {action}: no loop is named"
     if len(refused) == 1:
         return refused[0].reason
     return f"none of these {len(refused)} loops can be {_DONE[action]}; the first: {refused[0].reason}"
-
-
-def _links(entries: Sequence[JournalEntry]) -> tuple[list[Link], list[Link]]:
-    """Links that these entries put into the graph, and those that they take out."""
-    changes = [e for e in entries if _is_prior(e) or not _same(e.link_before, e.link_after)]
-    return [e.link_after for e in changes if e.link_after], [e.link_before for e in changes if e.link_before]
-
-
-def _is_prior(entry: JournalEntry) -> bool:
-    """A prior that is given again as it was is one that parameters have let in: the poses must follow."""
-    return any(k is not None and k.type is LinkType.POSE_PRIOR for k in (entry.link_before, entry.link_after))
-
-
-def _joins(link: Link) -> bool:
-    """Whether a link is one of two nodes, and no prior or sighting of a landmark."""
-    return link.to_id > 0 and link.from_id != link.to_id
-
-
-def _same(a: Link | None, b: Link | None) -> bool:
-    if a is None or b is None or a.T_from_to is None or b.T_from_to is None:
-        return a is b
-    return (
-        a.type is b.type and np.array_equal(a.T_from_to, b.T_from_to) and np.array_equal(a.information, b.information)
-    )
-
-
-def _nodes(entries: Sequence[JournalEntry]) -> tuple[list[GraphNode], list[int]]:
-    """Nodes that these entries put into the graph, and ids of those that they take out."""
-    changes = [entry.node for entry in entries if entry.node is not None]
-    restore = [
-        GraphNode(n.node_id, n.map_id, n.T_odom_base, n.T_map_base, n.constraints) for n in changes if n.restores
-    ]
-    return restore, [n.node_id for n in changes if n.drops]
-
-
-def _placement(entries: Sequence[JournalEntry]) -> Placement | None:
-    """What these entries do to all poses; such a decision is made alone."""
-    return next((entry.placement for entry in entries if entry.placement is not None), None)
-
-
-def _named(entries: Sequence[JournalEntry]) -> str:
-    if _placement(entries) is not None:
-        return "the map"
-    named = [f"{e.from_id}->{e.to_id}" if e.from_id != e.to_id else f"node {e.from_id}" for e in entries[:_NAMED]]
-    return ", ".join([*named, f"and {len(entries) - _NAMED} more"] if len(entries) > _NAMED else named)
 
 
 def _effect(
@@ -415,16 +331,3 @@ def _effect(
     preview: bool,
 ) -> Effect:
     return Effect((), was[0], now[0], shift.moved, shift.max_m, was[1], now[1], separated, refused, preview)
-
-
-def _with_effect(entry: JournalEntry, effect: Effect) -> JournalEntry:
-    return replace(
-        entry,
-        time=time.time(),
-        chi2_before=effect.chi2_before,
-        chi2_after=effect.chi2_after,
-        moved=effect.moved,
-        max_shift_m=effect.max_shift_m,
-        ate_before=effect.ate_before,
-        ate_after=effect.ate_after,
-    )

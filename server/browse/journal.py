@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from server.browse.columns import number
 from server.schemas import Changes, DecisionEffect, DecisionResult, JournalEntry, RefusedDecision
 from slam.database import JournalEntry as StoredEntry
-from slam.review import Effect
+from slam.effect import Effect
 from slam.types import LinkType
 
 

@@ -16,7 +16,8 @@ from slam.errors import ParameterError
 if TYPE_CHECKING:
     from slam.edit.job import Job
     from slam.edit.views import StoredViews
-    from slam.review import Effect, Review
+    from slam.effect import Effect
+    from slam.review import Review
 
 
 class Method(StrEnum):

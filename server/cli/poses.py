@@ -15,7 +15,7 @@ from slam.errors import ParameterError
 if TYPE_CHECKING:
     from server.engine.commands import KeepPoses, TurnMap
     from server.schemas import Optimised
-    from slam.review import Effect
+    from slam.effect import Effect
 
 
 class Solver(StrEnum):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from server.engine.commands import Decide
-from slam.review import Effect, Review
+from slam.effect import Effect
+from slam.review import Review
 
 
 def carry_out(review: Review, command: Decide) -> Effect:

@@ -13,8 +13,8 @@ from server.engine.opened import Opened, opened
 from server.engine.running_job import RunningJob
 from server.errors import EngineError
 from slam.edit.wishes import Outcome
+from slam.effect import Effect
 from slam.errors import SlamError
-from slam.review import Effect
 
 #: Without a decision for this long the map is closed, and free for other writers.
 _IDLE_SECONDS = 30.0

@@ -24,7 +24,8 @@ from slam.edit.placements import optimising, turning
 from slam.edit.priors import placing
 from slam.edit.refine import refine_links
 from slam.edit.wishes import Detection, Outcome, Regrid
-from slam.review import Effect, Review
+from slam.effect import Effect
+from slam.review import Review
 
 
 class Edits:

@@ -12,7 +12,7 @@ from slam.params import Value
 from slam.types import Candidate, Tier
 
 if TYPE_CHECKING:
-    from slam.review import Effect
+    from slam.effect import Effect
 
 
 @dataclass(frozen=True, slots=True)

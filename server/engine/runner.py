@@ -31,9 +31,10 @@ from server.errors import EngineError
 from slam.accuracy import frames_ate_m
 from slam.database import MapReader, MapWriter
 from slam.edit.wishes import Outcome
+from slam.effect import Effect
 from slam.errors import ParameterError, SlamError
 from slam.geometry import Pose
-from slam.review import Effect, Review
+from slam.review import Review
 from slam.run import Tally, ate_rmse_m, prepared
 from slam.sensors import open_source
 from slam.slam import Slam

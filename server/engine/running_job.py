@@ -8,8 +8,8 @@ from collections import deque
 from server.engine.channel import Channel
 from server.engine.events import JobTold
 from slam.edit.job import Job
+from slam.effect import Effect
 from slam.errors import SlamError
-from slam.review import Effect
 
 _TOLD_SECONDS = 0.2
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from dataclasses import dataclass
 
-from slam.review import Effect
+from slam.effect import Effect
 
 
 @dataclass(frozen=True, slots=True)

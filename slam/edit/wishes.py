@@ -11,7 +11,7 @@ from slam.params import Value
 from slam.types import Link, LinkType, Manner, Refusal, Registration
 
 if TYPE_CHECKING:
-    from slam.review import Effect
+    from slam.effect import Effect
 
 #: By images, by clouds, or by images and from there by clouds.
 Method = Literal["visual", "icp", "both"]

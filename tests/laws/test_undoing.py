@@ -25,11 +25,12 @@ from slam.edit.nodes import dropping, labelling
 from slam.edit.placements import optimising, turning
 from slam.edit.priors import placing
 from slam.edit.wishes import CovarianceEdit, LinkEdit, Optimisation, PriorEdit, Regrid, Turn
+from slam.effect import Effect
 from slam.errors import DecisionError
 from slam.geometry import between, se3_exp
 from slam.graph import PoseGraph, optimize
 from slam.params import Params, Value
-from slam.review import Effect, Review
+from slam.review import Review
 from slam.tools.parameters import taken
 from slam.types import Candidate, Link, LinkType, Manner, Refusal
 from tests.graphs import circles, loop, truth, write_map

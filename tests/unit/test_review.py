@@ -12,11 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from slam.database import JournalEntry, MapReader, MapWriter
+from slam.effect import Effect
 from slam.errors import DatabaseError, DecisionError
 from slam.geometry import Pose, between
 from slam.graph import PoseGraph, optimize
 from slam.params import Params
-from slam.review import Effect, Review
+from slam.review import Review
 from slam.types import Candidate, Link, LinkType, Refusal
 from tests.graphs import INFORMATION, circles, loop, stacked, truth, write_map
 

@@ -17,11 +17,12 @@ from slam.edit.job import Job, JobStep
 from slam.edit.links import LinkEditor
 from slam.edit.refine import refine_links
 from slam.edit.wishes import Detection, LinkEdit, Matching, PickedPair, Refinement
+from slam.effect import Effect
 from slam.errors import DecisionError
 from slam.geometry import Pose, between, inverse, rotation_angle, se3_exp, transform, translation_norm
 from slam.graph import PoseGraph
 from slam.params import Params
-from slam.review import Effect, Review
+from slam.review import Review
 from slam.types import LinkType
 from tests.graphs import stacked
 from tests.tours import EVERY, mapped

@@ -17,10 +17,11 @@ from slam.camera import Camera
 from slam.database import MapReader, MapWriter
 from slam.edit.grids import merged, regrid
 from slam.edit.wishes import Regrid
+from slam.effect import Effect
 from slam.errors import DecisionError, ParameterError
 from slam.graph import PoseGraph
 from slam.params import Params
-from slam.review import Effect, Review
+from slam.review import Review
 from slam.types import LocalGrid
 from tests.graphs import circles, write_map
 
