@@ -70,6 +70,11 @@ class History:
                 before = entry.link_before
         return before
 
+    def edited(self, pair: tuple[int, int]) -> JournalEntry | None:
+        """The last edit that stands of a pair's link (smaller id first); None where it is as it was before all."""
+        last = next((entry for entry in self._about(pair) if entry.action in EDITS), None)
+        return None if last is None or last.link_after is None or last.action == "reset" else last
+
     def _about(self, pair: tuple[int, int]) -> Iterator[JournalEntry]:
         return (step.entry for step in reversed(self._standing) if step.entry.pair == pair)
 

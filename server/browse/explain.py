@@ -21,6 +21,12 @@ _PLAIN = {
     LinkType.LOCAL_TIME_CLOSURE: "A loop among the nodes of short-term memory.",
 }
 
+_EDITS = {
+    "edit": "Its numbers were changed by hand",
+    "covariance": "Its covariance was changed by hand",
+    "refine": "It was registered anew",
+}
+
 
 def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | None) -> str:
     """One or two sentences about a pair."""
@@ -35,7 +41,14 @@ def explain(snapshot: Snapshot, pair: Pair, link: Link, candidate: Candidate | N
         said.append(f"Refused: {candidate.refusal.text.rstrip('.')}.")
     else:
         said.append(f"{verdict}: {_grounds(snapshot, pair, candidate)}.")
-    return " ".join([*said, *_suspect(snapshot, pair), *_rival(snapshot, pair)])
+    return " ".join([*said, *_edit(snapshot, pair), *_suspect(snapshot, pair), *_rival(snapshot, pair)])
+
+
+def _edit(snapshot: Snapshot, pair: Pair) -> list[str]:
+    """Who gave the link other numbers than those that were measured."""
+    entry = snapshot.history.edited(pair)
+    done = None if entry is None else _EDITS.get(entry.action)
+    return [] if entry is None or done is None else [_signed(done, entry)]
 
 
 def _rival(snapshot: Snapshot, pair: Pair) -> list[str]:
@@ -80,5 +93,8 @@ def _grounds(snapshot: Snapshot, pair: Pair, candidate: Candidate) -> str:
 
 
 def _decision(entry: JournalEntry) -> str:
-    done = {"approve": "Approved", "reject": "Rejected", "add": "Added by hand"}[entry.action]
+    return _signed({"approve": "Approved", "reject": "Rejected", "add": "Added by hand"}[entry.action], entry)
+
+
+def _signed(done: str, entry: JournalEntry) -> str:
     return f"{done} by {entry.author} (decision {entry.id})." if entry.author else f"{done} (decision {entry.id})."

@@ -77,8 +77,15 @@ def test_a_rejected_loop_is_linked_again_by_hand_detected_in_bulk_and_undone(own
     page.get_by_role("link", name="Bulk").click()
     page.locator("#job-start").click()
     job = page.locator("#job")
-    expect(job).to_contain_text("Done", timeout=SLOW)
+    expect(job).to_contain_text("Detecting loops: done", timeout=SLOW)
     expect(job).to_contain_text(re.compile(r"\d+ loops found, \d+ pairs tried"))
+    # Other work has an address of its own, and the batch is taken back here only as long as nothing was decided since.
+    page.get_by_role("button", name="Refine links").click()
+    expect(page).to_have_url(re.compile(r"tab=jobs&work=refine$"))
+    page.get_by_label("to node").fill("4")
+    page.locator("#job-start").click()
+    expect(job).to_contain_text("Refining links: done", timeout=SLOW)
+    expect(page.locator("#job-undo")).to_be_enabled()
     page.get_by_role("link", name="Journal").click()
     expect(page.get_by_role("listitem").filter(has_text="Added").first).to_be_visible()
 

@@ -86,8 +86,7 @@ export function EffectLine() {
   if (!last) return null;
   const { entry, effect, count } = last;
   const one = entry.of_map ? "" : entry.from_id === entry.to_id ? ` node ${entry.from_id}` : ` ${entry.from_id} → ${entry.to_id}`;
-  const loops = ["approve", "reject", "add"].includes(entry.action);
-  const name = count > 1 ? ` ${text.whole(count)} ${loops ? "loops" : "entries"}` : one;
+  const name = count > 1 ? ` ${text.whole(count)} ${THINGS[entry.action] ?? "entries"}` : one;
   const note = last.note && html`<span class="ink-warn">${last.note}</span>`;
   return html`<p class="effect" role="status" id="effect"><span class="quiet">${done(entry)}${name}</span> ${effectParts(effect)} ${note}</p>`;
 }
@@ -117,6 +116,8 @@ export const PAST = {
 export function done({ action, of_map: ofMap }) {
   return `${PAST[action] ?? action}${ofMap && ["undo", "redo"].includes(action) ? " a decision about the map" : ""}`;
 }
+/** What several entries of an action are about. @type {Record<string, string>} */
+export const THINGS = { approve: "loops", reject: "loops", add: "loops", refine: "links", edit: "links", reset: "links", covariance: "links", label: "nodes" };
 
 /** @param {number | null} chi2 */
 export function chi2Text(chi2) {

@@ -5,7 +5,7 @@ import { author, decide, deciding, told } from "../actions.js";
 import { get, post } from "../api.js";
 import { on } from "../events.js";
 import * as text from "../format.js";
-import { link, route } from "../router.js";
+import { go, link, route } from "../router.js";
 import { Author } from "./author.js";
 import { Button, Chip } from "./button.js";
 import { Covariances } from "./covariances.js";
@@ -22,13 +22,16 @@ const REFINE = { type: "", first: "0", last: "0", method: "visual", covariance_o
 /** @type {[string, string][]} */
 const TYPES = [["", "all types"], ["Neighbor", "neighbours"], ["GlobalClosure", "global loops"], ["LocalSpaceClosure", "proximity"], ["LocalTimeClosure", "in time"], ["UserClosure", "by hand"], ["NeighborMerged", "bridges"]];
 
+/** @type {["detect" | "refine" | "regrid" | "covariances", string][]} */
+const KINDS = [["detect", "Detect more loops"], ["refine", "Refine links"], ["regrid", "Make local grids"], ["covariances", "Type covariances"]];
+
 /** @param {{map: string}} props */
 export function Jobs({ map }) {
   const { data } = useFetched((signal) => get("/api/maps/{map}/job", { path: { map }, signal }), [map]);
   const [heard, setHeard] = useState(/** @type {Job | null} */ (null));
   useEffect(() => on("job", (value, of) => of === map && setHeard(value)), [map]);
   const query = route.value.query;
-  const [kind, setKind] = useState(/** @type {"detect" | "refine" | "regrid" | "covariances"} */ (query.get("kind") === "regrid" ? "regrid" : "detect"));
+  const kind = KINDS.find(([name]) => name === query.get("work"))?.[0] ?? "detect";
   const [detect, setDetect] = useState(DETECT);
   const [refine, setRefine] = useState(REFINE);
   const [regrid, setRegrid] = useState({ ...REGRID, first: query.get("first") ?? "0", last: query.get("last") ?? "0" });
@@ -44,10 +47,7 @@ export function Jobs({ map }) {
   const cancel = async () => void (await told(post("/api/maps/{map}/job/cancel", { path: { map }, body: undefined })));
   return html`<div class="view-part jobs">
     <div class="form-row" role="group" aria-label="What to do">
-      ${h(Chip, { label: "Detect more loops", on: kind === "detect", onChange: () => setKind("detect") })}
-      ${h(Chip, { label: "Refine links", on: kind === "refine", onChange: () => setKind("refine") })}
-      ${h(Chip, { label: "Make local grids", on: kind === "regrid", onChange: () => setKind("regrid") })}
-      ${h(Chip, { label: "Type covariances", on: kind === "covariances", onChange: () => setKind("covariances") })}
+      ${KINDS.map(([name, label]) => h(Chip, { key: name, label, on: kind === name, onChange: () => go({ view: "loops", query: { tab: "jobs", ...(name !== "detect" && { work: name }) } }, { replace: true }) }))}
     </div>
     ${kind === "covariances" && h(Covariances, {})} ${kind === "detect" && h(DetectForm, { wanted: detect, onChange: setDetect })}
     ${kind === "refine" && h(RefineForm, { wanted: refine, onChange: setRefine })} ${kind === "regrid" && h(RegridForm, { map, wanted: regrid, onChange: setRegrid })}
@@ -100,14 +100,18 @@ function RefineForm({ wanted, onChange }) {
 }
 
 /**
- * Whether a job's batch was undone since, here or in another window.
+ * Whether a job's batch was undone since, here or in another window, and whether it is what an undo would take back now.
  * @param {string} map
  * @param {number | null} entry the batch's first, null while there is none
+ * @returns {{undone: boolean, last: boolean}}
  */
-function useUndone(map, entry) {
+function useBatch(map, entry) {
   const { data, reload } = useFetched((signal) => (entry === null ? null : get("/api/maps/{map}/decisions", { path: { map }, signal })), [map, entry]);
   useEffect(() => on("decision", (_, of) => of === map && reload()), [map]);
-  return Boolean(data.value?.entries.find(({ id }) => id === entry)?.undone_by);
+  const entries = data.value?.entries ?? [];
+  const undone = Boolean(entries.find(({ id }) => id === entry)?.undone_by);
+  const since = entries.some(({ id, batch, action, undone_by: by }) => id > Number(entry) && batch !== entry && !by && action !== "undo" && action !== "redo");
+  return { undone, last: entries.length > 0 && !undone && !since };
 }
 
 /** @param {Job["kind"]} kind @param {NonNullable<Job["decision"]>} decision */
@@ -116,20 +120,30 @@ function doneText(kind, { count, entry }) {
   return `${text.plural(count, "link")} ${kind === "detect" ? "added" : "refined"}`;
 }
 
+/** @type {Record<Job["kind"], string>} */
+const WORK = { detect: "Detecting loops", refine: "Refining links", regrid: "Making local grids" };
 /** @type {Record<Job["state"], string>} */
-const STATES = { running: "At work", done: "Done", cancelled: "Cancelled: the map is as it was", failed: "Failed" };
+const STATES = { running: "at work", done: "done", cancelled: "cancelled, the map is as it was", failed: "failed" };
 
 /** @param {{map: string, job: Job, onCancel: () => Promise<void>}} props */
 function JobPanel({ map, job, onCancel }) {
   const { state, share, log, message, decision } = job;
-  const undone = useUndone(map, decision?.entry.id ?? null);
+  const { undone, last } = useBatch(map, decision?.entry.id ?? null);
+  const [leaving, setLeaving] = useState(0);
+  const cancel = async () => {
+    setLeaving(job.id);
+    await onCancel();
+    setLeaving(0);
+  };
+  // The process that works on a map starts with its first job.
+  const told = message || (log.at(-1) ?? (state === "running" ? "Reading the map…" : ""));
   return html`<section class="job" aria-label="Job" id="job">
     <div class="form-row">
-      <b>${undone ? "Done, and taken back" : STATES[state]}</b>
-      <span class="quiet grow clip small">${message || (log.at(-1) ?? "")}</span>
-      ${state === "running" && h(Button, { id: "job-cancel", label: "Cancel", hint: "The map stays as it was before", onClick: () => void onCancel() })}
+      <b>${WORK[job.kind]}: ${undone ? "done, and taken back" : STATES[state]}</b>
+      <span class="quiet grow clip small" title=${told}>${told}</span>
+      ${state === "running" && h(Button, { id: "job-cancel", label: leaving === job.id ? "Cancelling…" : "Cancel", hint: "The map stays as it was before", disabled: leaving === job.id, onClick: () => void cancel() })}
       ${decision && !undone && job.kind === "detect" && html`<a class="button" id="job-review" href=${link({ view: "loops", key: null, query: { state: "added" } })} title="The loops that were found, in the queue">Review</a>`}
-      ${decision && !undone && h(Button, { id: "job-undo", label: "Undo", hint: "Take the last decision back: this batch, if nothing was decided since", disabled: deciding.value, onClick: () => void decide({ action: "undo" }) })}
+      ${decision && !undone && h(Button, { id: "job-undo", label: "Undo", hint: last ? "Take all of this batch back" : "Something was decided since; the journal takes back one after the other", disabled: deciding.value || !last, onClick: () => void decide({ action: "undo" }) })}
     </div>
     <progress max="1" value=${share} aria-label="Done">${text.fixed(100 * share, 0)} %</progress>
     ${decision && html`<p class="small">${doneText(job.kind, decision)}${undone ? ", all taken back since" : ""}: ${effectParts(decision.effect)}</p>`}

@@ -8,7 +8,7 @@ import * as text from "../format.js";
 import { link } from "../router.js";
 import { Author } from "./author.js";
 import { Button } from "./button.js";
-import { done, EffectLine, effectParts, lockReason } from "./decision_bar.js";
+import { done, EffectLine, effectParts, lockReason, THINGS } from "./decision_bar.js";
 import { Empty, Failed, Loading } from "./state.js";
 import { useChanged, useFetched } from "./use.js";
 
@@ -59,7 +59,7 @@ function Batch({ batch, loops }) {
   const actions = [...new Set(batch.map(done))].join(", ");
   return html`<li class=${undone ? "undone" : ""}>
     <div>
-      <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} ${loops ? "loops" : "entries"}` : ""}</b>
+      <b>${actions}${batch.length > 1 ? ` ${text.whole(batch.length)} ${loops ? "loops" : things(batch)}` : ""}</b>
       ${batch.length === 1 && name(first)} ${NOTED.includes(first.action) && html`<span class="quiet small clip">${first.note}</span>`}
       <span class="quiet grow right small" title=${new Date(first.time * 1000).toLocaleString()}>${first.author} · ${text.ago(first.time)}${undone ? " · undone" : ""}</span>
     </div>
@@ -70,6 +70,12 @@ function Batch({ batch, loops }) {
     ${first.of_map && html`<div class="small quiet">${first.note}</div>`}
     <div class="small journal-effect">${effectParts(first.effect)}</div>
   </li>`;
+}
+
+/** What all entries of a batch are about; a removal cuts links as well. @param {Entry[]} batch */
+function things(batch) {
+  const all = new Set(batch.map(({ action }) => THINGS[action]));
+  return (all.size === 1 && [...all][0]) || "entries";
 }
 
 /** @param {Entry} entry */

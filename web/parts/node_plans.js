@@ -25,7 +25,7 @@ export function NodePlans({ map, node }) {
       ${scan && scan.points > 0 && h(Plan, { map, node: node.id, what: "scan", reach: scan.reach_m, caption: scanCaption(scan) })}
       ${grid && cells > 0 && h(Plan, { map, node: node.id, what: "grid", reach: grid.reach_m, caption: gridCaption(grid), query: gridState(grid) })}
     </div>
-    ${grid && cells > 0 && html`<p class="small"><a id="node-regrid" href=${link({ view: "loops", key: null, query: { tab: "jobs", kind: "regrid", first: String(node.id), last: String(node.id) } })}>Make the local grid anew, with other parameters</a></p>`}
+    ${grid && cells > 0 && html`<p class="small"><a id="node-regrid" href=${link({ view: "loops", key: null, query: { tab: "jobs", work: "regrid", first: String(node.id), last: String(node.id) } })}>Make the local grid anew, with other parameters</a></p>`}
   </details>`;
 }
 
