@@ -27,6 +27,8 @@ def test_the_list_opens_a_map_and_names_what_is_wrong_with_a_broken_one(library:
     card.click()
     expect(page).to_have_url(re.compile(r"#/map/flat/loops$"))
     expect(page.locator(".switcher")).to_contain_text("flat")
+    page.goto(f"{library.base}#/map/nothing/params")
+    expect(page.get_by_role("alert").filter(has_text="The parameters didn't arrive")).to_contain_text("'nothing'")
 
 
 @pytest.mark.parametrize(

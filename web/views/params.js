@@ -3,12 +3,12 @@ import { useEffect, useState } from "preact/hooks";
 import { h, html } from "../html.js";
 import * as text from "../format.js";
 import { go, link, openMapId, route } from "../router.js";
-import { loadParameters, parameters } from "../store.js";
+import { infoError, loadInfo, loadParameters, parameters } from "../store.js";
 import { drafted, gathering, loadTrials, trials } from "../trials.js";
 import { DraftBar } from "../parts/draft_bar.js";
 import { Parameter } from "../parts/parameter.js";
 import { Chip } from "../parts/button.js";
-import { Empty, Loading } from "../parts/state.js";
+import { Empty, Failed, Loading } from "../parts/state.js";
 import { Trials } from "../parts/trials.js";
 
 /** @typedef {import("../store.js").Schemas["Parameter"]} ParameterEntry */
@@ -34,7 +34,7 @@ export function Params() {
 function Values() {
   const query = route.value.query.get("q") ?? "";
   const [changedOnly, setChangedOnly] = useState(false);
-  const set = parameters.value;
+  const [set, error] = [parameters.value, infoError.value];
   const search = (/** @type {string} */ q) => go({ view: "params", query: q ? { q } : {} }, { replace: true });
   const gathered = set !== null && (!set.live || gathering.value);
   return html`
@@ -52,7 +52,7 @@ function Values() {
     </div>
     ${set && gathered && h(DraftBar, { set })}
     ${set && !set.live && !Object.keys(drafted.value).length && html`<p class="note note-quiet" id="params-locked">${noEngine}</p>`}
-    <div class="view-body">${set ? groups(set, query, changedOnly, gathered) : h(Loading, {})}</div>
+    <div class="view-body">${set ? groups(set, query, changedOnly, gathered) : error ? h(Failed, { error, what: "The parameters didn't arrive.", onRetry: () => void Promise.all([loadInfo(), loadParameters()]) }) : h(Loading, {})}</div>
   `;
 }
 
