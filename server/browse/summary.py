@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from server.browse.faults import row_faults
 from server.browse.map_view import MapView
 from server.browse.notes import notes
@@ -12,8 +14,10 @@ from slam.database import MapInfo as StoredInfo
 from slam.database import MapReader
 from slam.errors import DatabaseError
 from slam.tools.describe import path_size
-from slam.types import LinkType
+from slam.types import LinkType, Tier
 
+#: A file that another program holds does not keep the list of all waiting.
+_PATIENCE_S = 0.1
 _LOOPS = {kind.label for kind in LinkType if kind.is_loop}
 
 
@@ -63,6 +67,7 @@ def detail(view: MapView, *, live: bool, writable: bool) -> MapInfo:
         odometry_m=path.odometry_m,
         map_m=path.map_m,
         has_model=view.reader.has_cloud(),
+        memory=Counter(snapshot.tiers.get(node_id, Tier.LTM).value for node_id in snapshot.rows),
         session_list=session_list(view.reader, snapshot.all_nodes, snapshot.all_links, snapshot.faults),
         faults=row_faults(faults),
         fault_count=len(faults),
@@ -76,7 +81,7 @@ def summary(file: MapFile, *, live: bool) -> MapSummary:
     except OSError as error:
         return _unreadable(file, 0, 0.0, f"{file.name}: {error.strerror}")
     try:
-        info = MapReader(file.path).info(sizes=False, faults={})
+        info = MapReader(file.path, _PATIENCE_S).info(sizes=False, faults={})
     except DatabaseError as error:
         return _unreadable(file, state.st_size, state.st_mtime, str(error))
     return MapSummary(

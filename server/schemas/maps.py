@@ -59,6 +59,8 @@ class MapInfo(MapFacts):
     """Absolute trajectory error against ground truth, SE(3)-aligned over all frames."""
     notes: list[str]
     """What is missing in the file and what was made up for, in sentences."""
+    memory: dict[str, int]
+    """Nodes in each memory (stm, wm, ltm) now."""
     session_list: list[SessionFacts]
     has_scans: bool
     """Whether a node has points of a scanner."""

@@ -29,9 +29,12 @@ _GATE = threading.Lock()
 _LOG_HEADER = 32
 
 
-def reading_engine(path: Path) -> Engine:
-    """Engine whose connections never change a byte of the file or its log, and see a writer's last commit."""
-    return _engine(lambda: _restrained(path), "BEGIN")
+def reading_engine(path: Path, patience_s: float | None = None) -> Engine:
+    """Engine whose connections never change a byte of the file or its log, and see a writer's last commit.
+
+    They wait ``patience_s`` for a lock of another program's, the usual time without.
+    """
+    return _engine(lambda: _restrained(path, patience_s), "BEGIN")
 
 
 @contextmanager
@@ -48,8 +51,8 @@ def reading(engine: Engine, largest: int = SMALL_VALUE) -> Iterator[Connection]:
         yield connection
 
 
-def _restrained(path: Path) -> sqlite3.Connection:
-    driver = _connect(path, _read_only_mode(path))
+def _restrained(path: Path, patience_s: float | None) -> sqlite3.Connection:
+    driver = _connect(path, _read_only_mode(path), patience_s)
     restrain_reader(driver, size_with_log(path))
     return driver
 
@@ -155,9 +158,10 @@ def _uri(path: Path, options: str) -> str:
     return f"file:{quote(str(path.absolute()))}?{options}"
 
 
-def _connect(path: Path, options: str) -> sqlite3.Connection:
+def _connect(path: Path, options: str, patience_s: float | None = None) -> sqlite3.Connection:
+    timeout = BUSY_SECONDS if patience_s is None else patience_s
     return sqlite3.connect(
-        _uri(path, options), uri=True, timeout=BUSY_SECONDS, isolation_level=None, check_same_thread=False
+        _uri(path, options), uri=True, timeout=timeout, isolation_level=None, check_same_thread=False
     )
 
 

@@ -26,10 +26,11 @@ class FileReader:
         version: of its schema; what is read is presented as that of 0.20.0.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, patience_s: float | None = None) -> None:
+        """Open a file; where another program holds it, wait so long at each call, or as long as is usual."""
         check_file(path)
         self.path = path
-        self._engine = reading_engine(path)
+        self._engine = reading_engine(path, patience_s)
         self._views: tuple[str, ...] = ()
         with self._reading("opening") as connection:
             self.version = check_version(read_version(connection))

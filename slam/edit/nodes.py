@@ -107,7 +107,7 @@ def _check_label(node_id: int, text: str, holders: Mapping[str, int]) -> None:
 
 def _labelled(graph: PoseGraph, node_id: int, weight: int, before: str, after: str, author: str) -> JournalEntry:
     change = _change(graph, node_id, (weight, weight), (before, after))
-    note = f"{before or 'none'} -> {after or 'none'}"
+    note = f"{before or 'no label'} -> {after or 'no label'}"
     return JournalEntry(action="label", from_id=node_id, to_id=node_id, author=author, note=note, node=change)
 
 

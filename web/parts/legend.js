@@ -48,12 +48,18 @@ function loopEntry(type, token, label) {
   return count ? [{ token, label: moment.value === null ? `${label} ${text.whole(count)}` : label, kind: "line" }] : [];
 }
 
+/** Nodes of short-term, working and long-term memory: of the last update, and of a map that nobody makes as it is. */
+function memories() {
+  const now = info.value;
+  if (now && !now.live && moment.value === null) return ["stm", "wm", "ltm"].map((tier) => now.memory[tier] ?? 0);
+  const [stm, wm] = [shown(STM) ?? 0, shown(WM) ?? 0];
+  return [stm, wm, shown(LTM) ?? Math.max(0, (now?.nodes ?? 0) - stm - wm)];
+}
+
 /** @returns {Entry[]} */
 function memoryEntries() {
   void columns.value?.revision.value;
-  const stm = shown(STM) ?? 0;
-  const wm = shown(WM) ?? 0;
-  const ltm = shown(LTM) ?? Math.max(0, (info.value?.nodes ?? 0) - stm - wm);
+  const [stm, wm, ltm] = memories();
   return [
     { token: "stm", label: `STM ${text.whole(stm)}` },
     { token: "wm", label: `WM ${text.whole(wm)}` },

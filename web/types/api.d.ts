@@ -2479,6 +2479,13 @@ export interface components {
              * @description The same through the optimised poses; None where no node has one.
              */
             map_m: number | null;
+            /**
+             * Memory
+             * @description Nodes in each memory (stm, wm, ltm) now.
+             */
+            memory: {
+                [key: string]: number;
+            };
             /** Name */
             name: string;
             /** Nodes */

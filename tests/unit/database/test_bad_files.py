@@ -228,6 +228,21 @@ def test_a_lock_of_another_program_is_said_and_leaves_all_that_was_there(
     assert MapReader(path).node_ids().tolist() == [1, 2]
 
 
+def test_a_reader_waits_as_long_as_it_is_told_for_a_file_that_another_program_holds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The usual wait would be seen.
+    monkeypatch.setattr("slam.database.connection.BUSY_SECONDS", 600.0)
+    path = tmp_path / "map.db"
+    with MapWriter.create(path, Params(), seed=0, source="") as writer:
+        writer.add_node(record(1))
+    with closing(sqlite3.connect(path, isolation_level=None)) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        with pytest.raises(MapBusyError, match="another program holds the file"):
+            MapReader(path, 0.01)
+    assert MapReader(path, 0.01).node_ids().tolist() == [1]
+
+
 def test_a_reader_that_stays_keeps_the_log_but_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("slam.database.connection.BUSY_SECONDS", 0.1)
     path = tmp_path / "map.db"
