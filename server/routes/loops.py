@@ -53,4 +53,4 @@ def list_decisions(view: ViewDep) -> Journal:
 @router.post("/decisions")
 async def make_decision(services: ServicesDep, view: ViewDep, decision: Decision) -> DecisionResult:
     """Approve or reject one loop or several, undo or redo what was decided last; the graph is optimised anew."""
-    return await services.decide(view, decision)
+    return await services.deciding.decide(view, decision)

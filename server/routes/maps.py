@@ -24,7 +24,7 @@ def list_maps(services: ServicesDep) -> Maps:
 @router.get("/{map}")
 def get_map(services: ServicesDep, view: ViewDep) -> MapInfo:
     """One map in detail."""
-    return detail(view, live=services.session.live_map == view.file.id, writable=services.is_writable(view))
+    return detail(view, live=services.session.live_map == view.file.id, writable=services.deciding.is_writable(view))
 
 
 @router.get("/{map}/landmarks")

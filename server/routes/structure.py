@@ -36,13 +36,13 @@ def optimise_graph(view: ViewDep, ask: OptimiseAsk) -> Optimised:
 @router.post("/poses/optimise")
 async def keep_poses(services: ServicesDep, view: ViewDep, body: KeepPoses) -> DecisionResult:
     """Make the poses of an optimisation those of the map, or only see what that would do."""
-    return await services.keep_poses(view, body)
+    return await services.deciding.keep_poses(view, body)
 
 
 @router.post("/poses/turn")
 async def turn_map(services: ServicesDep, view: ViewDep, body: TurnMap) -> DecisionResult:
     """Turn the whole map as it is, or lay it over truth or GPS, or only see what that would do."""
-    return await services.turn_map(view, body)
+    return await services.deciding.turn_map(view, body)
 
 
 @router.get("/node-values")

@@ -53,6 +53,15 @@ def until_over(client: RunningApp) -> Any:
                 return said["value"]
 
 
+def last_told(client: RunningApp, topic: str) -> Any:
+    """The last value of a topic, which who comes later gets too."""
+    with client.stream_of("/api/events") as stream:
+        while True:
+            said = json.loads(stream.recv(timeout=60))
+            if said["topic"] == topic:
+                return said["value"]
+
+
 def test_a_link_is_foreseen_added_refined_edited_reset_and_all_of_it_undone(
     tour: RunningApp, reader: MapReader
 ) -> None:
@@ -207,6 +216,7 @@ def test_local_grids_are_made_anew_as_a_job_and_the_floor_plan_with_them(tour: R
     while (plan := reader.grid()) is None and time.monotonic() < end:
         time.sleep(0.1)
     assert plan is not None and plan.cell_size == 0.2
+    assert last_told(tour, "parameters") == {"Grid/CellSize": 0.2}
     values = {one["name"]: one["value"] for one in tour.get("/api/maps/tour/parameters").json()["parameters"]}
     assert values["Grid/CellSize"] == 0.2
     post(tour, "decisions", action="undo")
