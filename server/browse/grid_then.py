@@ -86,7 +86,14 @@ class GridThen:
         self._lock = threading.Lock()
 
     def at(
-        self, token: Hashable, order: Sequence[int], count: int, poses: Mapping[int, Pose], seconds: float
+        self,
+        token: Hashable,
+        order: Sequence[int],
+        count: int,
+        poses: Mapping[int, Pose],
+        seconds: float,
+        *,
+        probable: bool = False,
     ) -> tuple[OccupancyGrid | None, bool]:
         """The grid of the first ``count`` nodes of an order, and whether it is complete within the time given.
 
@@ -96,6 +103,7 @@ class GridThen:
             count: how many of them were there.
             poses: id -> ``T_map_base`` of at least these.
             seconds: how long local grids may be put together; what is missing comes with the next call.
+            probable: cells have their probability in percent, and not only whether they are occupied.
         """
         with self._lock:
             course = self._courses.setdefault(token, _Course(order, GlobalGrid(self._params)))
@@ -107,7 +115,8 @@ class GridThen:
             until = time.perf_counter() + seconds
             while course.count < count and time.perf_counter() < until:
                 self._take_in(course, course.order[course.count], poses)
-            return course.grid.occupancy(), course.count == count
+            grid = course.grid.probability() if probable else course.grid.occupancy()
+            return grid, course.count == count
 
     def _take_in(self, course: _Course, node_id: int, poses: Mapping[int, Pose]) -> None:
         local, T_map_base = self._local(node_id), poses.get(node_id)

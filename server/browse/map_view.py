@@ -122,15 +122,17 @@ class MapView:
             self._past = Past(timeline, self._local_grids(timeline.snapshot))
         return self._past
 
-    def assembled(self, seconds: float) -> tuple[OccupancyGrid | None, bool]:
-        """The floor plan of the local grids at the poses of now, where the file has none.
+    def assembled(self, seconds: float, *, probable: bool = False) -> tuple[OccupancyGrid | None, bool]:
+        """The floor plan of the local grids at the poses of now; ``probable`` with the probability of each cell.
 
         Returns:
             What is put together within this time and before, and whether that is all.
         """
         snapshot = self.snapshot()
         nodes = [i for i in self.reader.nodes_with_grid().tolist() if i in snapshot.rows]
-        return self._local_grids(snapshot).at((snapshot.revision,), nodes, len(nodes), snapshot.poses, seconds)
+        return self._local_grids(snapshot).at(
+            (snapshot.revision,), nodes, len(nodes), snapshot.poses, seconds, probable=probable
+        )
 
     def _local_grids(self, snapshot: Snapshot) -> GridThen:
         """Read anew when a decision has made some anew, or has taken that back."""

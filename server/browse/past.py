@@ -48,15 +48,15 @@ class Past:
         self._orders: dict[int, list[int]] = {}
         self._lock = threading.Lock()
 
-    def at(self, at: int, *, with_grid: bool, patient: bool) -> Then:
+    def at(self, at: int, *, with_grid: bool, patient: bool, probable: bool = False) -> Then:
         """What the map was after the last update that is not after node ``at``.
 
         Poses that take long to work out are those of now unless the caller is ``patient``; the grid goes with them.
         """
         with self._lock:
-            return self._then(at, with_grid=with_grid, patient=patient)
+            return self._then(at, with_grid=with_grid, patient=patient, probable=probable)
 
-    def _then(self, at: int, *, with_grid: bool, patient: bool) -> Then:
+    def _then(self, at: int, *, with_grid: bool, patient: bool, probable: bool) -> Then:
         moment, poses, failure = self.timeline.moment(at), None, None
         quick = self._poses.is_quick(at)
         if patient or quick:
@@ -66,16 +66,18 @@ class Past:
                 failure = str(error)
         grid, complete = None, True
         if with_grid:
-            grid, complete = self._grid(at, poses, PATIENT_S if patient else SHARE_S)
+            grid, complete = self._grid(at, poses, PATIENT_S if patient else SHARE_S, probable=probable)
         return Then(moment, poses, grid, complete and (poses is not None or failure is not None), failure)
 
-    def _grid(self, at: int, poses: Mapping[int, Pose] | None, seconds: float) -> tuple[OccupancyGrid | None, bool]:
+    def _grid(
+        self, at: int, poses: Mapping[int, Pose] | None, seconds: float, *, probable: bool
+    ) -> tuple[OccupancyGrid | None, bool]:
         """Of the sessions that were one map with that of the robot."""
         turn, snapshot = self._poses.turn(at), self.timeline.snapshot
         order = self._order(turn, at)
         token = (snapshot.revision, order[0] if order else 0, len(order), None if poses is None else turn)
         shown = snapshot.poses if poses is None else poses
-        return self._grids.at(token, order, bisect_right(order, at), shown, seconds)
+        return self._grids.at(token, order, bisect_right(order, at), shown, seconds, probable=probable)
 
     def _order(self, turn: int, at: int) -> list[int]:
         """All nodes, ascending, of the sessions that loops up to a turning point joined with the one of ``at``."""

@@ -53,6 +53,7 @@ class Theme:
     selected: Rgb
     free: Rgb
     occupied: Rgb
+    frontier: Rgb
 
 
 DARK = Theme(
@@ -78,6 +79,7 @@ DARK = Theme(
     selected=(255, 255, 255),
     free=(62, 74, 96),
     occupied=(226, 233, 245),
+    frontier=(70, 190, 255),
 )
 LIGHT = Theme(
     background=((255, 255, 255), (236, 240, 245)),
@@ -102,6 +104,7 @@ LIGHT = Theme(
     selected=(12, 16, 24),
     free=(246, 248, 251),
     occupied=(40, 46, 58),
+    frontier=(0, 110, 200),
 )
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from server.scene.colours import Theme
 from server.scene.tone import for_line
+from server.schemas.scene import GridLook
 from slam.types import OccupancyGrid
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ _STEP_M = 0.05
 _SHARP_PX, _QUICK_PX = 1500, 500
 _FREE_ALPHA = 120
 _OCCUPIED_ALPHA = 235
+#: Percent from which a cell is drawn as occupied.
+_OCCUPIED = 50
 
 
 class FloorLayer:
@@ -33,7 +36,7 @@ class FloorLayer:
         self._height: float | None = None
         self._ground: GridHandle | None = None
         self._image: ImageHandle | None = None
-        self._drawn: tuple[OccupancyGrid, Theme, bool] | None = None
+        self._drawn: tuple[OccupancyGrid, Theme, bool, GridLook] | None = None
 
     @property
     def height(self) -> float:
@@ -55,29 +58,37 @@ class FloorLayer:
         ground.cell_color, ground.section_color = (for_line(rgb) for rgb in look.ground)
         self._place_image()
 
-    def draw_grid(self, grid: OccupancyGrid | None, look: Theme, *, visible: bool, sharp: bool = True) -> None:
+    def draw_grid(
+        self,
+        grid: OccupancyGrid | None,
+        look: Theme,
+        *,
+        visible: bool,
+        sharp: bool = True,
+        how: GridLook = "plan",
+    ) -> None:
         """Show the occupancy grid; its image is made only when it is to be seen and has changed.
 
         One that is about to change again need not be ``sharp``.
         """
         if grid is None or not grid.cells.size:
             visible = False
-        elif visible and not self._is_drawn(grid, look, sharp):
-            self._show_image(grid, look, sharp)
+        elif visible and not self._is_drawn(grid, look, sharp, how):
+            self._show_image(grid, look, sharp, how)
         if self._image is not None:
             self._image.visible = visible
 
-    def _is_drawn(self, grid: OccupancyGrid, look: Theme, sharp: bool) -> bool:
-        if self._drawn is None or self._drawn[1] is not look or self._drawn[2] < sharp:
+    def _is_drawn(self, grid: OccupancyGrid, look: Theme, sharp: bool, how: GridLook) -> bool:
+        if self._drawn is None or self._drawn[1] is not look or self._drawn[2] < sharp or self._drawn[3] != how:
             return False
         old = self._drawn[0]
         same_place = (old.x_min, old.y_min, old.cell_size) == (grid.x_min, grid.y_min, grid.cell_size)
         return same_place and np.array_equal(old.cells, grid.cells)
 
-    def _show_image(self, grid: OccupancyGrid, look: Theme, sharp: bool) -> None:
+    def _show_image(self, grid: OccupancyGrid, look: Theme, sharp: bool, how: GridLook) -> None:
         rows, columns = grid.cells.shape
         width, height = columns * grid.cell_size, rows * grid.cell_size
-        image = grid_image(grid, look, _SHARP_PX if sharp else _QUICK_PX)
+        image = grid_image(grid, look, _SHARP_PX if sharp else _QUICK_PX, how)
         if self._image is None:
             self._image = self._scene.add_image(
                 "/grid", image, width, height, format="png", cast_shadow=False, receive_shadow=False
@@ -85,7 +96,7 @@ class FloorLayer:
         else:
             self._image.image = image
             self._image.render_width, self._image.render_height = width, height
-        self._drawn = (grid, look, sharp)
+        self._drawn = (grid, look, sharp, how)
         self._place_image()
 
     def _place_image(self) -> None:
@@ -99,16 +110,40 @@ class FloorLayer:
         self._image.position = np.array([*middle, self._height + 0.01])
 
 
-def grid_image(grid: OccupancyGrid, look: Theme, least_px: int = _SHARP_PX) -> NDArray[np.uint8]:
+def grid_image(
+    grid: OccupancyGrid, look: Theme, least_px: int = _SHARP_PX, how: GridLook = "plan"
+) -> NDArray[np.uint8]:
     """The grid as seen from above, y upwards: (H, W, 4) red, green, blue, opacity; about ``least_px`` on a side."""
-    palette = np.zeros((3, 4), dtype=np.uint8)
-    palette[1] = (*look.free, _FREE_ALPHA)
-    palette[2] = (*look.occupied, _OCCUPIED_ALPHA)
-    kind = (grid.cells[::-1] >= 0).astype(np.uint8) + (grid.cells[::-1] >= 50)
+    cells = grid.cells[::-1]
+    if how == "probability":
+        palette, kind = _shades(look), cells.clip(-1, 100).astype(np.int64) + 1
+    else:
+        palette = np.zeros((4, 4), dtype=np.uint8)
+        palette[1] = (*look.free, _FREE_ALPHA)
+        palette[2] = (*look.occupied, _OCCUPIED_ALPHA)
+        palette[3] = (*look.frontier, _OCCUPIED_ALPHA)
+        kind = (cells >= 0).astype(np.int64) + (cells >= _OCCUPIED)
+        if how == "frontiers":
+            kind[frontiers(cells)] = 3
     factor = max(1, least_px // max(grid.cells.shape))
     # One number for each pixel: four times as fast as four.
     image = palette.view(np.uint32)[kind, 0].repeat(factor, axis=0).repeat(factor, axis=1)
     return np.ascontiguousarray(image).view(np.uint8).reshape(*image.shape, 4)
+
+
+def frontiers(cells: NDArray[np.int8]) -> NDArray[np.bool_]:
+    """Free cells (rows, columns) with an unknown one at a side of them: where a robot would learn more."""
+    unknown = np.pad(cells < 0, 1, constant_values=False)
+    beside = unknown[:-2, 1:-1] | unknown[2:, 1:-1] | unknown[1:-1, :-2] | unknown[1:-1, 2:]
+    return np.asarray((cells >= 0) & (cells < _OCCUPIED) & beside)
+
+
+def _shades(look: Theme) -> NDArray[np.uint8]:
+    """Colours (102, 4) of unknown and of 0 to 100 percent."""
+    share = np.linspace(0.0, 1.0, 101)[:, None]
+    ends = np.array([[*look.free, _FREE_ALPHA], [*look.occupied, _OCCUPIED_ALPHA]], np.float64)
+    shades = np.rint((1.0 - share) * ends[0] + share * ends[1]).astype(np.uint8)
+    return np.ascontiguousarray(np.vstack([np.zeros((1, 4), np.uint8), shades]))
 
 
 def floor_height(positions: NDArray[np.float64], points: NDArray[np.float64]) -> float:

@@ -261,12 +261,12 @@ class Painter:
         self._hypothesis.draw(graph, moment, measure.node, look, visible=layers.graph)
 
     def _draw_grid(self, picture: Picture) -> None:
-        then, shown = picture.then, picture.layers.grid
+        then, shown, how = picture.then, picture.layers.grid, picture.wanted.state.grid_as
         if then is not None:
-            self._floor.draw_grid(then.grid, picture.look, visible=shown, sharp=then.is_complete)
+            self._floor.draw_grid(then.grid, picture.look, visible=shown, sharp=then.is_complete, how=how)
         else:
             stored = picture.snapshot.reader.grid() if shown and picture.wanted.floor is None else None
-            self._floor.draw_grid(stored or picture.wanted.floor, picture.look, visible=shown)
+            self._floor.draw_grid(stored or picture.wanted.floor, picture.look, visible=shown, how=how)
 
     def _draw_ground(self, picture: Picture) -> None:
         height = floor_height(picture.graph.positions, self._clouds.sample())

@@ -157,15 +157,17 @@ class MapScene:
         if state.at is None:
             self._incomplete = False
             return None
-        then = self.view.past().at(state.at, with_grid=state.layers.grid, patient=self._patient)
+        probable = state.grid_as == "probability"
+        then = self.view.past().at(state.at, with_grid=state.layers.grid, patient=self._patient, probable=probable)
         self._incomplete = not then.is_complete
         return then
 
     def _assembled(self, state: Scene) -> OccupancyGrid | None:
-        """The floor plan of now where the file has none, as far as it is put together yet."""
-        if state.at is not None or not state.layers.grid or self.view.reader.grid() is not None:
+        """The floor plan of now as far as it is put together yet, where the file has none, or none of probabilities."""
+        probable = state.grid_as == "probability"
+        if state.at is not None or not state.layers.grid or not (probable or self.view.reader.grid() is None):
             return None
-        grid, complete = self.view.assembled(PATIENT_S if self._patient else SHARE_S)
+        grid, complete = self.view.assembled(PATIENT_S if self._patient else SHARE_S, probable=probable)
         self._incomplete |= not complete
         return grid
 

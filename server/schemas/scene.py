@@ -15,6 +15,8 @@ Colouring = Annotated[str, Field(max_length=200)]
 Overlay = Literal["link", "poses"]
 #: Points of depth images, of scanners, or the key points that have a place.
 OverlayPoints = Literal["cloud", "scan", "words"]
+#: What the floor plan shows: free and occupied; free cells beside unknown ones too; how likely each is occupied.
+GridLook = Literal["plan", "frontiers", "probability"]
 #: Where nodes stand: where they are now, where they were at the moment shown, or there as soon as that is worked out.
 Placing = Literal["now", "then", "soon"]
 #: Links that are drawn alike; refused loops are links that never were.
@@ -72,6 +74,7 @@ class Scene(Schema):
     """Of what those clouds are; of a node without scans they are of depth images, and the other way round."""
     at: int | None = None
     """The node of the update that is shown; null for the map as it is now."""
+    grid_as: GridLook = "plan"
     hidden_links: list[LinkClass] = Field(default_factory=list)
     hidden_sessions: list[int] = Field(default_factory=list)
     optimised: ShownOptimisation | None = None
@@ -112,6 +115,7 @@ class SceneChange(Schema):
     overlay: Overlay | None = None
     overlay_of: OverlayPoints | None = None
     at: Annotated[int, Field(ge=1)] | None = None
+    grid_as: GridLook | None = None
     hidden_links: list[LinkClass] | None = None
     hidden_sessions: Annotated[list[int], Field(max_length=10_000)] | None = None
     optimised: ShownOptimisation | None = None

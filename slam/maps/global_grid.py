@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -114,16 +114,27 @@ class GlobalGrid:
         A cell of log odds 0 is unknown, as in RTAB-Map. Turned local grids leave out single cells; such a gap between
         free cells is free.
         """
+        threshold = _log_odds(self.params.GridGlobal.OccupancyThr)
+        return self._cropped(
+            lambda odds: _without_gaps(np.where(odds == 0, -1, np.where(odds >= threshold, 100, 0)).astype(np.int8))
+        )
+
+    def probability(self) -> OccupancyGrid | None:
+        """The same with the probability of each known cell to be occupied, in percent."""
+        return self._cropped(
+            lambda odds: np.where(odds == 0, -1, np.rint(100.0 / (1.0 + np.exp(-odds.astype(np.float64))))).astype(
+                np.int8
+            )
+        )
+
+    def _cropped(self, cells_of: Callable[[NDArray[np.float32]], NDArray[np.int8]]) -> OccupancyGrid | None:
         rows, columns = np.nonzero(self._last.any(axis=1))[0], np.nonzero(self._last.any(axis=0))[0]
         if not len(rows):
             return None
-        crop = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-        odds = self._odds[crop]
-        occupied = odds >= _log_odds(self.params.GridGlobal.OccupancyThr)
-        cells = np.where(odds == 0, -1, np.where(occupied, 100, 0)).astype(np.int8)
+        cells = cells_of(self._odds[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
         size = self.params.Grid.CellSize
         x_min, y_min = (self._origin[0] + columns[0]) * size, (self._origin[1] + rows[0]) * size
-        return OccupancyGrid(_without_gaps(cells), float(x_min), float(y_min), size)
+        return OccupancyGrid(cells, float(x_min), float(y_min), size)
 
     def _clear(self) -> None:
         self._odds: NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)

@@ -23,7 +23,9 @@ const LOOPS = /** @type {[string, string, string, import("./link_classes.js").Li
 export function Legend() {
   const now = scene.value;
   if (!now) return null;
-  const entries = [...(now.layers.graph ? graphEntries(now) : []), ...pathEntries(now.layers), ...ghostEntries(now)];
+  /** @type {Entry[]} */
+  const frontiers = now.layers.grid && now.grid_as === "frontiers" ? [{ token: "to", label: "frontier" }] : [];
+  const entries = [...(now.layers.graph ? graphEntries(now) : []), ...pathEntries(now.layers), ...frontiers, ...ghostEntries(now)];
   if (!entries.length) return null;
   return html`<ul class="legend" aria-label="Legend">
     ${entries.map(

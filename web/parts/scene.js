@@ -11,6 +11,7 @@ import { Legend } from "./legend.js";
 import { SceneFrame } from "./scene_frame.js";
 
 /** @typedef {import("../store.js").Schemas["SceneLayers"]} Layers */
+/** @typedef {import("../store.js").Schemas["Scene"]} Scene */
 
 /** @type {{layer: keyof Layers, label: string, hint: string}[]} */
 const LAYERS = [
@@ -47,6 +48,23 @@ function trialChip(now) {
   return h(Chip, { label: "Optimised on trial ×", hint: "The dashed path of an optimisation on trial is shown; click to hide it", on: true, onChange: () => void setScene({ optimised: null }) });
 }
 
+/** @type {[Scene["grid_as"], string][]} */
+const GRID_LOOKS = [
+  ["plan", "plan"],
+  ["frontiers", "frontiers"],
+  ["probability", "probability"],
+];
+
+/** @param {{shown: Scene["grid_as"]}} props */
+function GridLook({ shown }) {
+  const change = (/** @type {{currentTarget: HTMLSelectElement}} */ { currentTarget }) => void setScene({ grid_as: /** @type {Scene["grid_as"]} */ (currentTarget.value) });
+  return html`<label class="chip chip-select" title="Free and occupied floor; where it borders on the unknown; or how likely each cell is occupied">
+    <select aria-label="What the grid shows" value=${shown} onChange=${change}>
+      ${GRID_LOOKS.map(([name, label]) => html`<option key=${name} value=${name}>${label}</option>`)}
+    </select>
+  </label>`;
+}
+
 /** @param {{map: string}} props */
 function LayerChips({ map }) {
   const now = scene.value;
@@ -61,6 +79,6 @@ function LayerChips({ map }) {
         onChange: (on) => void setScene({ layers: { [layer]: on } }),
       }),
     )}
-    ${ghostChip(now)} ${trialChip(now)}
+    ${now?.layers.grid && h(GridLook, { shown: now.grid_as })} ${ghostChip(now)} ${trialChip(now)}
     ${h(Colouring, { key: map, map })}`;
 }

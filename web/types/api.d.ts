@@ -3351,6 +3351,12 @@ export interface components {
             dark: boolean;
             /** @description Of which pixels its cloud and its mesh are made. */
             depth?: components["schemas"]["DepthUse"];
+            /**
+             * Grid As
+             * @default plan
+             * @enum {string}
+             */
+            grid_as: "plan" | "frontiers" | "probability";
             /** Hidden Links */
             hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[];
             /** Hidden Sessions */
@@ -3423,6 +3429,8 @@ export interface components {
             /** Dark */
             dark?: boolean | null;
             depth?: components["schemas"]["DepthUse"] | null;
+            /** Grid As */
+            grid_as?: ("plan" | "frontiers" | "probability") | null;
             /** Hidden Links */
             hidden_links?: ("neighbor" | "loop" | "proximity" | "time" | "user" | "virtual" | "refused" | "landmark")[] | null;
             /** Hidden Sessions */

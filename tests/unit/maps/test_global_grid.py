@@ -199,3 +199,16 @@ def test_the_threshold_works_live() -> None:
     assert value(grid, 0, 0) == 100
     grid.params = PARAMS.changed({"GridGlobal/OccupancyThr": 0.8})
     assert value(grid, 0, 0) == 0
+
+
+@slowly
+@given(st.integers(0, 1000), st.integers(1, 8))
+def test_probabilities_tell_what_is_occupied(seed: int, nodes: int) -> None:
+    grid = built(poses(seed, nodes))
+    plan, likely = grid.occupancy(), grid.probability()
+    assert plan is not None and likely is not None
+    assert (plan.x_min, plan.y_min, plan.cells.shape) == (likely.x_min, likely.y_min, likely.cells.shape)
+    known = likely.cells >= 0
+    assert np.array_equal(likely.cells[known] >= 50, plan.cells[known] == 100)
+    # Gaps between free cells are filled in the plan alone.
+    assert (plan.cells[~known] <= 0).all() and likely.cells.max() <= 100

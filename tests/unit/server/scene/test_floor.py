@@ -6,9 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from numpy.typing import NDArray
 
 from server.scene.colours import DARK, LIGHT
-from server.scene.floor import FloorLayer, floor_height, grid_image
+from server.scene.floor import FloorLayer, floor_height, frontiers, grid_image
 from slam.types import OccupancyGrid
 from tests.unit.server.scene.conftest import Sent
 from tests.unit.server.scene.room_map import GRID
@@ -38,6 +42,28 @@ def test_the_image_is_seen_from_above_with_y_upwards() -> None:
     assert tuple(occupied[:3]) == LIGHT.occupied
     assert unknown[3] == 0 < free[3] < occupied[3]
     assert tuple(image[-1, 0]) == tuple(free)
+
+
+@given(
+    hnp.arrays(np.int8, hnp.array_shapes(min_dims=2, max_dims=2, max_side=9), elements=st.sampled_from([-1, 0, 100]))
+)
+def test_a_frontier_is_a_free_cell_beside_the_unknown(cells: NDArray[np.int8]) -> None:
+    found = frontiers(cells)
+    for (row, column), value in np.ndenumerate(cells):
+        beside = [(row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)]
+        inside = [at for at in beside if 0 <= at[0] < cells.shape[0] and 0 <= at[1] < cells.shape[1]]
+        assert found[row, column] == (value == 0 and any(cells[at] < 0 for at in inside))
+
+
+def test_frontiers_and_probabilities_have_colours_of_their_own() -> None:
+    cells = np.array([[0, 0, -1], [100, 30, 80]], np.int8)
+    grid = OccupancyGrid(cells, 0.0, 0.0, 0.5)
+    image = grid_image(grid, DARK, 3, "frontiers")[::-1]
+    assert [tuple(image[0, k, :3]) for k in (0, 1)] == [DARK.free, DARK.frontier]
+    assert image[0, 2, 3] == 0 and tuple(image[1, 0, :3]) == DARK.occupied
+    shades = grid_image(grid, DARK, 3, "probability")[::-1]
+    assert tuple(shades[0, 0, :3]) == DARK.free and tuple(shades[1, 0, :3]) == DARK.occupied and shades[0, 2, 3] == 0
+    assert DARK.free[0] < shades[1, 1, 0] < shades[1, 2, 0] < DARK.occupied[0]
 
 
 def test_the_grid_lies_where_its_cells_are(viewer: Any) -> None:

@@ -122,10 +122,11 @@ def test_a_floor_plan_that_is_not_stored_is_put_together_of_the_local_grids(
     watched = open_scene(tmp_path / "loops.db")
     watched.change(layers={"grid": True})
     until(lambda: watched.handle("/grid") is not None and watched.handle("/grid").visible)
-    until(lambda: not watched.scene._incomplete)
-    drawn = watched.scene._painter._floor._drawn
-    assert drawn is not None
-    np.testing.assert_array_equal(drawn[0].cells, floor_plan(reader, reader.poses()).cells)
+    floor, whole = watched.scene._painter._floor, floor_plan(reader, reader.poses())
+    until(lambda: floor._drawn is not None and np.array_equal(floor._drawn[0].cells, whole.cells))
+    watched.change(grid_as="probability")
+    until(lambda: floor._drawn is not None and floor._drawn[3] == "probability")
+    until(lambda: floor._drawn is not None and len(np.unique(floor._drawn[0].cells)) > 3)
 
 
 def test_layers_are_switched_one_by_one_and_the_rest_stays(watched: Watched) -> None:
