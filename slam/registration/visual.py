@@ -96,6 +96,7 @@ def _judged(
 
 def _refused(matches: NDArray[np.int32], inliers: NDArray[np.bool_], what: str, params: Params) -> Registration:
     count = len(matches) if what == "matches" else int(inliers.sum())
-    threshold = params.Vis.MinInliers
-    refusal = Refusal(_TEST, float(count), float(threshold), f"{count} {what}, fewer than {_TEST} {threshold}")
+    threshold, of_one = params.Vis.MinInliers, {"matches": "match", "inliers": "inlier"}
+    said = f"{count} {of_one[what] if count == 1 else what}, fewer than {_TEST} {threshold}"
+    refusal = Refusal(_TEST, float(count), float(threshold), said)
     return Registration(None, np.eye(6) * UNKNOWN_VARIANCE, matches, inliers, refusal)
