@@ -196,7 +196,9 @@ class Painter:
             )
             self._model.draw(snapshot.reader, snapshot.revision, visible=picture.layers.model)
             self._draw_grid(picture)
-            self._draw_ground(picture)
+            # It is that of the map of now, at any moment; when clouds have come ``load_some`` draws it again.
+            if before is None or before.graph is not graph or before.look is not picture.look:
+                self._draw_ground(picture)
             self._closeup.draw(
                 snapshot.reader,
                 snapshot.revision,

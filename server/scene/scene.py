@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger(__name__)
 
 #: A map that is being written is drawn at most this often, one whose past somebody goes through as often as it can be.
-_PAUSE_S, _SCRUB_S = 0.15, 0.01
+_PAUSE_S, _SCRUB_S = 0.15, 0.005
 #: A moment that stays this long is drawn with all that takes longer.
 _SETTLED_S = 0.25
 #: How often to look whether somebody still waits for an answer.
