@@ -5,6 +5,8 @@
 // The typed functions below have checked paths, queries and bodies by the time these get here.
 /** @typedef {{path?: any, query?: any, signal?: AbortSignal, body?: unknown}} Loose */
 
+const QUIET_AT_LAST_MS = 3000;
+
 export class ApiError extends Error {
   /** @param {number} status 0 when the server wasn't reached @param {string} code @param {string} message */
   constructor(status, code, message) {
@@ -65,13 +67,49 @@ export async function file(url, query = {}) {
   return response.blob();
 }
 
+/** Requests of the API that are under way. */
+let waiting = 0;
+/** @type {Set<() => void>} */
+const patient = new Set();
+
+/** When nobody waits for an answer, or after a while: for what may come after that which was asked for first. */
+export function whenQuiet() {
+  return new Promise((/** @type {(value?: undefined) => void} */ resolve) => {
+    const go = () => (patient.delete(go), clearTimeout(late), resolve());
+    const late = setTimeout(go, QUIET_AT_LAST_MS);
+    patient.add(go);
+    // What is asked for in the same moment counts as well.
+    setTimeout(answered);
+  });
+}
+
+function answered() {
+  if (!waiting) for (const go of [...patient]) go();
+}
+
 /**
  * @param {Method} method
  * @param {string} path
  * @param {Loose} options
  * @returns {Promise<any>}
  */
-async function request(method, path, { path: values = {}, query = {}, signal, body }) {
+async function request(method, path, options) {
+  waiting += 1;
+  try {
+    return await asked(method, path, options);
+  } finally {
+    waiting -= 1;
+    setTimeout(answered);
+  }
+}
+
+/**
+ * @param {Method} method
+ * @param {string} path
+ * @param {Loose} options
+ * @returns {Promise<any>}
+ */
+async function asked(method, path, { path: values = {}, query = {}, signal, body }) {
   const filled = path.replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(String(values[name]))).slice(1);
   const url = new URL(filled, document.baseURI);
   for (const [name, value] of Object.entries(query ?? {})) {

@@ -1,7 +1,7 @@
 // Going through the updates of the open map: one of them, or now; by steps, by events, or played.
 import { computed, effect, signal, untracked } from "@preact/signals";
 import { setScene } from "./actions.js";
-import { get } from "./api.js";
+import { get, whenQuiet } from "./api.js";
 import { openings } from "./events.js";
 import { latest } from "./latest.js";
 import { remembered } from "./prefs.js";
@@ -101,6 +101,9 @@ function graphState() {
 export async function load() {
   const map = openMapId.value;
   if (!map) return;
+  // A large map's takes long to work out: what the view shows goes before.
+  if (!timeline.value) await whenQuiet();
+  if (map !== openMapId.value) return;
   loaded = graphState();
   try {
     const found = await get("/api/maps/{map}/timeline", { path: { map } });

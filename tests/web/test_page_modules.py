@@ -14,6 +14,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from playwright.sync_api import Browser, Page, Route
 
+from tests.web.conftest import until
+
 WEB = Path(__file__).resolve().parents[2] / "web"
 
 
@@ -132,6 +134,29 @@ def test_a_click_on_a_cloud_picks_a_point_that_is_to_be_seen_there(
     found = call(modules, "orbit.js", _CLOUD, {"seed": seed, "yaw": yaw, "pitch": pitch, "zoom": zoom})
     assert found["coloured"] and found["inFront"] and found["missed"] == -1
     assert found["far"] < 10, "a point is drawn where it is"
+
+
+def test_what_may_come_later_waits_until_nobody_waits_for_an_answer(modules: Page) -> None:
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    modules.route("**/api/slow", hold)
+    start = """async () => {
+        const m = await import("./api.js");
+        window.quiet = false;
+        void m.get("/api/slow", {}).catch(() => null);
+        void m.whenQuiet().then(() => (window.quiet = true));
+        await new Promise((resolve) => setTimeout(resolve, 50));
+        return window.quiet;
+    }"""
+    assert modules.evaluate(start) is False
+    while not held:
+        modules.wait_for_timeout(20)
+    held[0].fulfill(json={})
+    until(modules, "() => window.quiet")
+    assert modules.evaluate("import('./api.js').then((m) => m.whenQuiet())") is None
 
 
 @pytest.mark.parametrize("order", [[0, 1], [1, 0]])
