@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from slam.database import MapReader
-from slam.errors import DatabaseError, ParameterError
+from slam.errors import DatabaseError
 from slam.geometry import Array, Pose
-from slam.maps.global_grid import GlobalGrid
+from slam.maps.global_grid import GlobalGrid, fitting
 from slam.params import Params
 from slam.types import LocalGrid, OccupancyGrid
 
@@ -122,7 +122,7 @@ class GridThen:
         local, T_map_base = self._local(node_id), poses.get(node_id)
         if local is not None and T_map_base is not None:
             if not len(course.grid):
-                course.grid.params = self._fitting(local)
+                course.grid.params = fitting(self._params, local)
             if course.has_room(local, T_map_base):
                 course.grid.add(node_id, local, T_map_base)
         course.count += 1
@@ -136,10 +136,3 @@ class GridThen:
                 _LOG.info("no local grid: %s", error)
                 self._locals[node_id] = None
         return self._locals[node_id]
-
-    def _fitting(self, local: LocalGrid) -> Params:
-        """Parameters with the cell size that the local grids were made with."""
-        try:
-            return self._params.changed({"Grid/CellSize": local.cell_size})
-        except ParameterError:
-            return self._params

@@ -264,11 +264,8 @@ class Painter:
 
     def _draw_grid(self, picture: Picture) -> None:
         then, shown, how = picture.then, picture.layers.grid, picture.wanted.state.grid_as
-        if then is not None:
-            self._floor.draw_grid(then.grid, picture.look, visible=shown, sharp=then.is_complete, how=how)
-        else:
-            stored = picture.snapshot.reader.grid() if shown and picture.wanted.floor is None else None
-            self._floor.draw_grid(stored or picture.wanted.floor, picture.look, visible=shown, how=how)
+        grid = picture.wanted.floor if then is None else then.grid
+        self._floor.draw_grid(grid, picture.look, visible=shown, sharp=then is None or then.is_complete, how=how)
 
     def _draw_ground(self, picture: Picture) -> None:
         height = floor_height(picture.graph.positions, self._clouds.sample())

@@ -162,11 +162,14 @@ class MapScene:
         self._incomplete = not then.is_complete
         return then
 
-    def _assembled(self, state: Scene) -> OccupancyGrid | None:
-        """The floor plan of now as far as it is put together yet, where the file has none, or none of probabilities."""
-        probable = state.grid_as == "probability"
-        if state.at is not None or not state.layers.grid or not (probable or self.view.reader.grid() is None):
+    def _floor_plan(self, state: Scene) -> OccupancyGrid | None:
+        """That of now: the stored one; where there is none, or none of probabilities, as far as it is put together."""
+        if state.at is not None or not state.layers.grid:
             return None
+        probable = state.grid_as == "probability"
+        stored = None if probable else self.view.reader.grid()
+        if stored is not None:
+            return stored
         grid, complete = self.view.assembled(PATIENT_S if self._patient else SHARE_S, probable=probable)
         self._incomplete |= not complete
         return grid
@@ -205,7 +208,7 @@ class MapScene:
             state = self.state()
             then = self._then(state)
             placed = self._placed(state, then)
-            floor = self._assembled(state)
+            floor = self._floor_plan(state)
             shown = Shown(placed, self._ghosts(state), then, self._optimised(state), floor, self._values(state))
             self._painter.draw(self.view.snapshot(), shown)
         if pose is not None and self._state.at is None:

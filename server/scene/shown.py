@@ -29,7 +29,7 @@ class Shown:
         ghosts: loops and path with another threshold, or by a trial of other parameters.
         then: the moment that is shown; None for now.
         optimised: an optimisation on trial.
-        floor: the floor plan put together of local grids, where the file has none.
+        floor: the floor plan of now; None where it is not to be seen.
         values: id -> number that nodes are coloured by; None for the colourings that need none.
     """
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from slam.errors import ParameterError
 from slam.geometry import Pose
 from slam.maps.kernels import touch_cells
 from slam.maps.local_grid import yaw
@@ -176,6 +177,14 @@ class GlobalGrid:
             odds[row : row + rows, column : column + columns] = self._odds
             last[row : row + rows, column : column + columns] = self._last
         self._odds, self._last, self._origin = odds, last, (low[0], low[1])
+
+
+def fitting(params: Params, local: LocalGrid) -> Params:
+    """Parameters with the cell size that a map's local grids have; as they are where no grid may have that."""
+    try:
+        return params.changed({"Grid/CellSize": local.cell_size})
+    except ParameterError:
+        return params
 
 
 def _without_gaps(cells: NDArray[np.int8]) -> NDArray[np.int8]:

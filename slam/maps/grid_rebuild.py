@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Generator, Mapping
+from collections.abc import Generator
 
 from slam.database import MapReader, MapWriter
 from slam.errors import DatabaseError
 from slam.graph.graph import PoseGraph
-from slam.maps.global_grid import GlobalGrid
+from slam.maps.global_grid import GlobalGrid, fitting
 from slam.params import Params
 from slam.types import LocalGrid
 
@@ -82,7 +82,7 @@ class GridRebuild:
                 yield
         placed = {i: local for i in with_grid if i in self._graph.poses and (local := self._locals[i]) is not None}
         if list(placed) != self._nodes or not self._grid.fits(self._graph.poses):
-            grid = GlobalGrid(self._fitting(placed))
+            grid = GlobalGrid(next((fitting(self._params, one) for one in placed.values()), self._params))
             for node_id, local in placed.items():
                 grid.add(node_id, local, self._graph.poses[node_id])
                 yield
@@ -90,10 +90,6 @@ class GridRebuild:
         if self._nodes:
             self._writer.save_grid(self._grid.occupancy())
         return bool(self._nodes)
-
-    def _fitting(self, placed: Mapping[int, LocalGrid]) -> Params:
-        """Parameters with the cell size that the local grids have."""
-        return next((self._params.changed({"Grid/CellSize": one.cell_size}) for one in placed.values()), self._params)
 
     def _local(self, node_id: int) -> LocalGrid | None:
         try:

@@ -50,7 +50,8 @@ def floor_plan(reader: MapReader, poses: Mapping[int, Pose]) -> OccupancyGrid:
 
 
 def _assembled(reader: MapReader, poses: Mapping[int, Pose]) -> OccupancyGrid | None:
-    found = {i: (local, T) for i, T in sorted(poses.items()) if i > 0 and (local := reader.local_grid(i)) is not None}
+    nodes = [i for i in reader.nodes_with_grid().tolist() if i in poses]
+    found = {i: (local, poses[i]) for i in nodes if (local := reader.local_grid(i)) is not None}
     if not found:
         return None
     size = next(iter(found.values()))[0].cell_size

@@ -93,6 +93,13 @@ def test_a_damaged_local_grid_is_left_out_and_a_map_without_any_has_no_plan(writ
     assert not bare.carry_out() and MapReader(writer.path).grid() is None
 
 
+def test_a_cell_size_that_no_parameter_may_have_does_not_end_it(writer: MapWriter) -> None:
+    """What else was decided stays, and so does the process that decides."""
+    damage(writer.path, "update Data set cell_size = 2.5")
+    parts, _ = rebuild(writer)
+    assert parts.carry_out()
+
+
 def damage(path: Path, statement: str) -> None:
     connection = sqlite3.connect(path)
     with connection:
